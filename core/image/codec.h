@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "core/image/image.h"
+
+namespace rimlight {
+
+/// Compresses frames to JPEG (libjpeg-turbo, 4:2:0). Keeps its compressor and buffer between calls:
+/// allocates nothing after warm-up. One thread at a time.
+class JpegEncoder {
+ public:
+  JpegEncoder();
+  ~JpegEncoder();
+  JpegEncoder(const JpegEncoder&) = delete;
+  JpegEncoder& operator=(const JpegEncoder&) = delete;
+
+  /// quality 1 … 100. Replaces `jpeg` with the file's bytes.
+  void encode(const Rgb8Image& image, int quality, std::vector<std::uint8_t>& jpeg);
+
+ private:
+  void* compressor_;
+  std::vector<std::uint8_t> buffer_;
+};
+
+/// Lossless PNG, 8-bit RGB with the sRGB chunk; level 1 with the "up" filter (LIMITS: 8 ms at
+/// 512×512 instead of 60). Replaces `png` with the file's bytes.
+void encode_png(const Rgb8Image& image, std::vector<std::uint8_t>& png);
+
+/// Decodes what the encoders wrote (used by `load` to check frames, and by tests). `source` stands
+/// in errors; sides above kLargestImageSide are refused before allocation. Throws Error.
+Rgb8Image decode_png(const std::uint8_t* bytes, std::size_t size, std::string_view source);
+Rgb8Image decode_jpeg(const std::uint8_t* bytes, std::size_t size, std::string_view source);
+
+}  // namespace rimlight

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/image/image.h"
+#include "core/light/environment.h"
+#include "core/material/brdf.h"
+#include "core/math/camera.h"
+#include "core/math/vec.h"
+
+namespace rimlight {
+
+/// Triangles of one material. Normals and texture coordinates are per vertex, and optional (empty).
+struct Mesh {
+  std::string name;
+  std::vector<Vec3f> positions;
+  std::vector<Vec3f> normals;
+  struct TextureCoordinate {
+    float u = 0, v = 0;
+  };
+  std::vector<TextureCoordinate> texture_coordinates;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::uint32_t material = 0;
+};
+
+struct Material {
+  std::string name;
+  Brdf brdf;
+  std::shared_ptr<const RgbImage> albedo_texture;  // multiplies brdf.albedo; repeats; bilinear
+};
+
+/// What to bake, with DESIGN's defaults.
+struct BakeSettings {
+  int width = 512;
+  int height = 512;
+  int cube_size = 32;     // N: a power of two, 4 … 128
+  int primary_rays = 16;  // per pixel
+  int bounces = 4;        // 0: direct light only
+  double psnr_db = 50;    // of the compressed against the uncompressed transport
+  std::uint64_t seed = 1;
+};
+
+/// A scene, read and checked: everything finite, in range, triangles not degenerate.
+struct Scene {
+  std::string name;
+  Camera camera;
+  std::vector<Material> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Environment> environments;  // at least one; the first is the default
+  BakeSettings bake;
+  std::size_t dropped_triangles = 0;  // degenerate ones, which are dropped and counted
+};
+
+}  // namespace rimlight
