@@ -6,7 +6,7 @@
 #include "core/math/random.h"
 #include "core/transport/tile_builder.h"
 
-namespace rimlight::testing_support {
+namespace rimlight::test {
 namespace {
 
 constexpr std::size_t kRow = 3 * PixelLayout::kGroupReceivers;
@@ -57,4 +57,4 @@ Transport random_transport(const RandomTransport& settings) {
   return Transport(random_tiles(settings));
 }
 
-}  // namespace rimlight::testing_support
+}  // namespace rimlight::test

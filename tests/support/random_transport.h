@@ -6,7 +6,7 @@
 
 #include "core/transport/tile_transport.h"
 
-namespace rimlight::testing_support {
+namespace rimlight::test {
 
 /// What a random sparse transport looks like.
 struct RandomTransport {
@@ -22,4 +22,4 @@ struct RandomTransport {
 std::vector<TileTransport> random_tiles(const RandomTransport& settings);
 Transport random_transport(const RandomTransport& settings);
 
-}  // namespace rimlight::testing_support
+}  // namespace rimlight::test

@@ -1,18 +1,20 @@
 #pragma once
 
-#include <stdlib.h>
+#include <stdlib.h>  // NOLINT: mkdtemp is POSIX, not in <cstdlib>
 
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 
-namespace rimlight::testing_support {
+namespace rimlight::test {
 
-/// A folder of its own for a test, removed at its end.
+/// A new empty folder that goes away with its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "rimlight-test-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
+    std::string name = (std::filesystem::temp_directory_path() / "rimlight-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp failed: " + name);
+    path_ = name;
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
@@ -20,6 +22,7 @@ class TemporaryFolder {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
   }
+
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
@@ -27,4 +30,8 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace rimlight::testing_support
+}  // namespace rimlight::test
+
+namespace rimlight {
+namespace testing_support = test;
+}
