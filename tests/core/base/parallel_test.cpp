@@ -74,6 +74,8 @@ TEST(ParallelFor, LoopsNest) {
 }
 
 TEST(ParallelFor, DenormalsAreFlushedInEveryBody) {
+  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_OFF);  // whatever tests before this one have set
+  _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_OFF);
   std::atomic<int> kept = 0;
   parallel_for(1000, [&](std::size_t) {
     if (_MM_GET_FLUSH_ZERO_MODE() != _MM_FLUSH_ZERO_ON ||
