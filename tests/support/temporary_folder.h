@@ -31,7 +31,3 @@ class TemporaryFolder {
 };
 
 }  // namespace rimlight::test
-
-namespace rimlight {
-namespace testing_support = test;
-}
