@@ -31,3 +31,4 @@ class TemporaryFolder {
 };
 
 }  // namespace rimlight::test
+
