@@ -1,0 +1,85 @@
+#include "server/session/scene_catalog.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "core/base/error.h"
+#include "server/protocol/stream_target.h"
+
+namespace rimlight::server {
+namespace {
+
+/// Draws with a FrameRenderer of its own.
+class RendererSource final : public FrameSource {
+ public:
+  RendererSource(std::shared_ptr<const Bake> bake, const RelightSettings& settings)
+      : renderer_(std::move(bake), settings) {}
+
+  FrameReport render_moving(const DesignState& state, Rgb8Image& frame) override {
+    return renderer_.render_moving(state, frame);
+  }
+  bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
+                    const std::function<bool()>& abandon) override {
+    return renderer_.render_exact(state, frame, report, abandon);
+  }
+
+ private:
+  FrameRenderer renderer_;
+};
+
+}  // namespace
+
+ServedScene serve_bake(std::shared_ptr<const Bake> bake, const RelightSettings& settings) {
+  ServedScene scene;
+  scene.name = bake->folder().lexically_normal().stem().string();
+  if (!is_valid_name(scene.name)) {
+    throw Error(bake->folder().string(), "the bake's name " + quote(scene.name),
+                "1 to 64 of A-Z a-z 0-9 . _ -, to stand in a URL");
+  }
+  for (const BakedEnvironment& baked : bake->environments()) {
+    scene.environments.push_back(baked.environment->name());
+  }
+  if (scene.environments.empty()) {
+    throw Error(bake->folder().string(), "no environments", "one or more");
+  }
+  scene.width = bake->manifest().pixels.width;
+  scene.height = bake->manifest().pixels.height;
+  scene.camera = bake->manifest().camera;
+  scene.make_source = [bake = std::move(bake), settings] {
+    return std::make_unique<RendererSource>(bake, settings);
+  };
+  return scene;
+}
+
+SceneCatalog::SceneCatalog(std::vector<ServedScene> scenes) : scenes_(std::move(scenes)) {
+  if (scenes_.empty()) throw Error("serve", "no bakes", "one or more");
+  std::set<std::string> names;
+  for (const ServedScene& scene : scenes_) {
+    if (!names.insert(scene.name).second) {
+      throw Error("serve", "two bakes named " + quote(scene.name), "different names");
+    }
+  }
+}
+
+const ServedScene* SceneCatalog::find(std::string_view name) const {
+  if (name.empty()) return &scenes_.front();
+  const auto found = std::find_if(scenes_.begin(), scenes_.end(),
+                                  [&](const ServedScene& scene) { return scene.name == name; });
+  return found == scenes_.end() ? nullptr : &*found;
+}
+
+std::string SceneCatalog::to_json() const {
+  nlohmann::json list = nlohmann::json::array();
+  for (const ServedScene& scene : scenes_) {
+    list.push_back({{"name", scene.name},
+                    {"default", &scene == &scenes_.front()},
+                    {"size", {{"width", scene.width}, {"height", scene.height}}},
+                    {"environments", scene.environments}});
+  }
+  return nlohmann::json{{"scenes", list}}.dump(-1, ' ', false,
+                                               nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace rimlight::server
