@@ -10,7 +10,7 @@
 namespace rimlight {
 
 /// Compresses frames to JPEG (libjpeg-turbo, 4:2:0). Keeps its compressor and buffer between calls:
-/// allocates nothing after warm-up. One thread at a time.
+/// allocates nothing after warm-up (libjpeg-turbo's own few pools aside). One thread at a time.
 class JpegEncoder {
  public:
   JpegEncoder();
@@ -30,8 +30,11 @@ class JpegEncoder {
 /// 512×512 instead of 60). Replaces `png` with the file's bytes.
 void encode_png(const Rgb8Image& image, std::vector<std::uint8_t>& png);
 
-/// Decodes what the encoders wrote (used by `load` to check frames, and by tests). `source` stands
-/// in errors; sides above kLargestImageSide are refused before allocation. Throws Error.
+/// Decode what the encoders wrote (used by `load` to check frames, and by tests), and any other
+/// file of the format, for textures: grey, palettes and 16 bits become 8-bit sRGB, alpha is dropped
+/// and does not scale the colour. `source` stands in errors. What check_image_size refuses is
+/// refused before allocation; truncation and every warning of the libraries are errors. Throw
+/// Error.
 Rgb8Image decode_png(const std::uint8_t* bytes, std::size_t size, std::string_view source);
 Rgb8Image decode_jpeg(const std::uint8_t* bytes, std::size_t size, std::string_view source);
 
