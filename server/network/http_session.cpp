@@ -36,7 +36,7 @@ Response make_response(http::status status, unsigned version, bool keep_alive,
   Response response{status, version};
   response.set(http::field::content_type, content_type);
   response.set(http::field::cache_control, "no-cache");
-  response.set(http::field::x_content_type_options, "nosniff");
+  response.set("X-Content-Type-Options", "nosniff");
   response.set("Content-Security-Policy", kContentPolicy);
   response.keep_alive(keep_alive);
   response.body() = std::move(body);

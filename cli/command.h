@@ -1,0 +1,18 @@
+#pragma once
+
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace rimlight {
+
+/// What the chosen subcommand does; returns the exit status. Throws Error.
+using Action = std::function<int()>;
+
+// Each adds its subcommand to the program's; parsing the arguments sets `chosen`.
+void add_serve_command(CLI::App& app, Action& chosen);
+void add_load_command(CLI::App& app, Action& chosen);
+
+}  // namespace rimlight
