@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <memory>
 #include <random>
 #include <string>
@@ -12,6 +11,7 @@
 #include "cli/command.h"
 #include "cli/load_client.h"
 #include "cli/load_report.h"
+#include "server/session/scene_catalog.h"
 
 namespace rimlight {
 namespace {
@@ -77,13 +77,12 @@ std::vector<LoadRecord> play_all(const LoadOptions& options) {
 }
 
 int load(LoadOptions options) {
-  // The scene that a bake is served as has its folder's name.
   if (!options.bake.empty() && options.scene.empty()) {
-    options.scene =
-        std::filesystem::path(options.bake + "/").lexically_normal().parent_path().stem().string();
+    options.scene = server::scene_name(options.bake);
   }
   const std::vector<LoadRecord> records = play_all(options);
-  LoadReport report = summarize(records);
+  LoadReport report =
+      summarize(records, options.script.empty() ? ScriptKind::every_edit_changes : ScriptKind::any);
   report.checks.push_back(compare_with_bake(records, options.bake));
   const std::string text = options.json ? report.to_json().dump() + "\n" : report.to_text();
   std::fputs(text.c_str(), stdout);

@@ -29,8 +29,11 @@ struct LoadReport {
   std::string to_text() const;
 };
 
+/// Whether a frame in motion that shows nothing new is a fault: with the default script only.
+enum class ScriptKind { every_edit_changes, any };
+
 /// Everything but the comparison with the bake.
-LoadReport summarize(const std::vector<LoadRecord>& records);
+LoadReport summarize(const std::vector<LoadRecord>& records, ScriptKind script);
 
 /// Compares each client's last frame with what `rimlight render` makes of its state.
 /// An empty `bake_folder` gives a check that was not run.

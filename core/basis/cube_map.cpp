@@ -56,6 +56,20 @@ Vec3d texel_direction(std::size_t texel, int size) {
       {place.face, (2 * place.column + 1.0) / size - 1, (2 * place.row + 1.0) / size - 1});
 }
 
+std::size_t texel_beyond(int face, Border border, int index, int size) {
+  // A quarter of a texel beyond the border: inside the neighbour's border texel, for its width as
+  // seen from here is about the texel's own.
+  const double beyond = 1 + 0.5 / size;
+  const double along = (2 * index + 1.0) / size - 1;
+  const bool sideways = border == Border::right || border == Border::left;
+  const double across = border == Border::right || border == Border::top ? beyond : -beyond;
+  const FaceAxes& axes = face_axes(face);
+  // Scaled by `beyond`, so that the place along the border is the same on both faces.
+  return texel_of(axes.axis + (sideways ? axes.right : axes.up) * across +
+                      (sideways ? axes.up : axes.right) * (along * beyond),
+                  size);
+}
+
 double corner_solid_angle(double x, double y) {
   return std::atan2(x * y, std::sqrt(1 + x * x + y * y));
 }

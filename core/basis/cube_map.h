@@ -48,6 +48,13 @@ std::size_t texel_of(const Vec3d& direction, int size);
 /// The unit direction of a texel's middle.
 Vec3d texel_direction(std::size_t texel, int size);
 
+/// The borders of a face: where x = 1, x = −1, y = 1, y = −1.
+enum class Border { right, left, top, bottom };
+
+/// The texel on the other side of a face's border from the border texel with this `index` along it
+/// (its row at right and left, its column at top and bottom).
+std::size_t texel_beyond(int face, Border border, int index, int size);
+
 /// ∫ dω over the rectangle from the face's middle to (x, y), signed: atan(xy / √(1 + x² + y²)).
 double corner_solid_angle(double x, double y);
 

@@ -12,17 +12,17 @@ enum class BrdfModel { lambert, phong, cook_torrance };
 /// A surface's reflection: a Lambert part plus at most one specular lobe.
 ///   lambert        albedo / π
 ///   phong          energy-normalised, reciprocal modified Phong (Lafortune and Willems 1994):
-///                  specular · (n + 2) / 2π · max(0, cos α)^n, α between the mirror direction and
-///                  ω_o
-///   cook_torrance  F(θ_d) · D(θ_h) · G / (4 cos θ_i cos θ_o); Beckmann D with ∫ D cos θ_h dω_h =
-///   1, the
-///                  V-cavity G, and the exact unpolarised Fresnel of a complex index eta + i k per
-///                  channel (dielectrics: k = 0), times `specular`
+///                  specular · (n + 2) / 2π · max(0, cos α)^n, α between the mirror direction of
+///                  ω_i and ω_o
+///   cook_torrance  specular · F(θ_d) · D(θ_h) · G / (4 cos θ_i cos θ_o); Beckmann D with
+///                  ∫ D cos θ_h dω_h = 1, the V-cavity G (Cook and Torrance 1982), and the exact
+///                  unpolarised Fresnel of a complex index eta + i k per channel (dielectrics:
+///                  k = 0)
 /// Domain (checked by the scene reader): albedo, specular in [0, 1] each channel; for phong also
-/// albedo + specular ≤ 1; exponent in [1, 1e5]; roughness (Beckmann m) in [0.01, 1]; eta in [0.05,
-/// 20], k in [0, 20]. A Lambert part under a Cook–Torrance lobe is scaled by the energy that the
-/// lobe leaves, so that no direction reflects more than it gets (documented with its formula in
-/// brdf.cpp; reciprocal).
+/// albedo + specular ≤ 1; exponent in [1, 1e5]; roughness (Beckmann m) in [0.01, 1]; eta in
+/// [0.05, 20], k in [0, 20]. A Lambert part under a Cook–Torrance lobe is scaled by the energy that
+/// the lobe leaves, so that no direction reflects more than it gets (the formula is in brdf.cpp;
+/// reciprocal). Only a dielectric has one: channels with k > 0 or eta < 1 reflect no diffuse light.
 struct Brdf {
   BrdfModel model = BrdfModel::lambert;
   Vec3f albedo{0.5f, 0.5f, 0.5f};
@@ -40,8 +40,9 @@ Vec3f evaluate(const Brdf& brdf, const Vec3f& in, const Vec3f& out);
 Vec3f evaluate_diffuse(const Brdf& brdf, const Vec3f& in, const Vec3f& out);
 Vec3f evaluate_specular(const Brdf& brdf, const Vec3f& in, const Vec3f& out);
 
-/// A direction drawn about the BRDF times cosine: picks the diffuse or the specular lobe by
-/// `choice`.
+/// A direction drawn about the BRDF times cosine: `choice` in [0, 1) picks the diffuse or the
+/// specular lobe, `at` the direction in it. Nothing when the direction falls below the horizon or
+/// the surface reflects nothing; so the density integrates to at most 1.
 struct BrdfSample {
   Vec3f direction;    // ω_i
   float density = 0;  // per solid angle, of both lobes together
@@ -53,7 +54,7 @@ std::optional<BrdfSample> sample(const Brdf& brdf, const Vec3f& out, float choic
 float density(const Brdf& brdf, const Vec3f& in, const Vec3f& out);
 
 /// Whether the specular lobe is narrow enough to need the fine bands when it is the last scattering
-/// before escape (a caustic): roughness < 0.35, or a Phong exponent > 16.
+/// before escape (a caustic): not black, and roughness < 0.35 or a Phong exponent > 16.
 bool is_glossy(const Brdf& brdf);
 
 }  // namespace rimlight

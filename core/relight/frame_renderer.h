@@ -48,6 +48,14 @@ class FrameRenderer {
   bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
                     const std::function<bool()>& abandon = {});
 
+  /// The same image as linear radiance, composited, before exposure and tone mapping (for .exr output).
+  void render_radiance(const DesignState& state, RgbImage& image, FrameReport& report);
+
+  /// Makes one more environment known beside the bake's own (a file given to `rimlight render --light`);
+  /// its exposure_scale is found by one full product (auto_exposure_scale over the covered receivers).
+  /// A name that exists already is replaced.
+  void add_environment(std::shared_ptr<const Environment> environment);
+
   const Bake& bake() const;
 
  private:

@@ -14,7 +14,9 @@ struct Ray {
   Vec3f direction;  // unit
 };
 
-/// A point of a surface, ready for shading. Normals are on the side that the ray came from.
+/// A point of a surface, ready for shading. Surfaces have two sides: both normals are on the side
+/// that the ray came from, and the shading normal faces the ray too (bent as little as that needs
+/// where a smooth normal looks away).
 struct SurfaceHit {
   Vec3f position;
   Vec3f geometric_normal;
@@ -25,7 +27,8 @@ struct SurfaceHit {
 };
 
 /// The scene in Embree, ready for rays. The tree is built by one thread with fixed settings, so
-/// that the same scene gives the same hits. Immutable; any thread.
+/// that the same scene gives the same hits. Immutable; any thread (with denormals flushed, see
+/// core/base/parallel.h). Throws Error when Embree cannot take the scene (memory).
 class RayScene {
  public:
   explicit RayScene(std::shared_ptr<const Scene> scene);
@@ -37,9 +40,10 @@ class RayScene {
 
   std::optional<SurfaceHit> intersect(const Ray& ray) const;
 
-  /// For each ray whether nothing is hit before `far` (infinity for the sky): visible[i] = 1 or 0.
-  /// Rays go to Embree as one incoherent stream (rtcOccluded1M) in batches; ray i's end is far[i],
-  /// or infinity when `far` is empty. Far the fastest way for many rays.
+  /// For each ray whether nothing is hit before its end: visible[i] = 1 or 0. Ray i's end is
+  /// far[i], or infinity (the sky) when `far` is empty; sizes must agree. Rays go to Embree as
+  /// incoherent streams (rtcOccluded1M) of fixed size: the fastest way for many rays. Allocates
+  /// nothing. Flushes denormals on the calling thread.
   void visible(std::span<const Ray> rays, std::span<const float> far,
                std::span<std::uint8_t> visible) const;
 

@@ -16,11 +16,13 @@
 
 namespace rimlight {
 
-/// Triangles of one material. Normals and texture coordinates are per vertex, and optional (empty).
+/// Triangles of one material. Normals (unit) and texture coordinates are per vertex, and optional
+/// (empty).
 struct Mesh {
   std::string name;
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;
+  /// v = 0 is the bottom of the picture.
   struct TextureCoordinate {
     float u = 0, v = 0;
   };

@@ -31,9 +31,14 @@ class RendererSource final : public FrameSource {
 
 }  // namespace
 
+std::string scene_name(const std::filesystem::path& bake_folder) {
+  const std::filesystem::path normal = bake_folder.lexically_normal();
+  return (normal.has_filename() ? normal : normal.parent_path()).stem().string();
+}
+
 ServedScene serve_bake(std::shared_ptr<const Bake> bake, const RelightSettings& settings) {
   ServedScene scene;
-  scene.name = bake->folder().lexically_normal().stem().string();
+  scene.name = scene_name(bake->folder());
   if (!is_valid_name(scene.name)) {
     throw Error(bake->folder().string(), "the bake's name " + quote(scene.name),
                 "1 to 64 of A-Z a-z 0-9 . _ -, to stand in a URL");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,6 +21,10 @@ struct ServedScene {
   Camera camera;
   std::function<std::unique_ptr<FrameSource>()> make_source;
 };
+
+/// The name that a bake is served by: its folder's without the ending ("terrace.bake/" is
+/// "terrace").
+std::string scene_name(const std::filesystem::path& bake_folder);
 
 /// The scene of an opened bake. Throws Error when its name does not fit a URL or it has no
 /// environment.

@@ -31,3 +31,7 @@ class TemporaryFolder {
 };
 
 }  // namespace rimlight::test
+
+namespace rimlight {
+namespace testing_support = test;
+}

@@ -1,0 +1,136 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/command.h"
+#include "core/basis/cube_haar.h"
+#include "core/transport/bake_folder.h"
+#include "core/transport/column_kernel.h"
+
+namespace rimlight {
+namespace {
+
+using nlohmann::json;
+
+struct InspectOptions {
+  std::string folder;
+  bool verify = false;
+  bool json = false;
+};
+
+/// What a band of the bake holds.
+json describe_band(const Bake& bake, const CubeHaar& haar, int band) {
+  const TransportView& transport = bake.transport();
+  std::size_t blocks = 0;
+  std::size_t runs = 0;
+  for (std::size_t tile = 0; tile < transport.tile_count(); ++tile) {
+    for (std::size_t column = haar.band_begin(band); column < haar.band_begin(band + 1); ++column) {
+      const std::size_t count = transport.run(tile, column).block_index.size();
+      blocks += count;
+      runs += count > 0 ? 1 : 0;
+    }
+  }
+  const std::size_t columns = haar.band_begin(band + 1) - haar.band_begin(band);
+  const double all = static_cast<double>(columns) * static_cast<double>(transport.tile_count()) *
+                     static_cast<double>(kTileBlocks);
+  constexpr std::size_t kBytesPerBlock = sizeof(std::uint16_t) * (1 + kBlockFloats);
+  return {{"band", band},
+          {"columns", columns},
+          {"runs", runs},
+          {"blocks", blocks},
+          {"density", static_cast<double>(blocks) / all},
+          {"bytes", blocks * kBytesPerBlock}};
+}
+
+json describe(const Bake& bake) {
+  const BakeManifest& manifest = bake.manifest();
+  const CubeHaar haar(manifest.cube_size);
+  json result = {{"bake", bake.folder().string()},
+                 {"kind", manifest.kind},
+                 {"version", manifest.version},
+                 {"scene", manifest.scene},
+                 {"width", manifest.pixels.width},
+                 {"height", manifest.pixels.height},
+                 {"cube_size", manifest.cube_size},
+                 {"columns", bake.transport().column_count()},
+                 {"blocks", bake.transport().block_count()},
+                 {"settings", manifest.settings},
+                 {"measured", manifest.measured},
+                 {"left_out", manifest.left_out},
+                 {"simd", column_kernel_target()}};
+  for (int band = 0; band < haar.band_count(); ++band) {
+    result["bands"].push_back(describe_band(bake, haar, band));
+  }
+  std::uint64_t bytes = 0;
+  for (const auto& [name, size] : bake.files()) {
+    result["files"].push_back({{"file", name}, {"bytes", size}});
+    bytes += size;
+  }
+  result["bytes"] = bytes;
+  for (const BakedEnvironment& one : bake.environments()) {
+    result["environments"].push_back({{"name", one.environment->name()},
+                                      {"width", one.environment->image().width},
+                                      {"height", one.environment->image().height},
+                                      {"exposure_scale", one.exposure_scale}});
+  }
+  return result;
+}
+
+double mebibytes(const json& bytes) { return bytes.get<double>() / (1 << 20); }
+
+void print(const json& bake, bool verified) {
+  std::printf("%s: %s, %d × %d pixels, 6 × %d × %d directions, %.1f MiB%s\n",
+              bake["scene"].get<std::string>().c_str(), bake["kind"].get<std::string>().c_str(),
+              bake["width"].get<int>(), bake["height"].get<int>(), bake["cube_size"].get<int>(),
+              bake["cube_size"].get<int>(), mebibytes(bake["bytes"]),
+              verified ? ", every checksum right" : "");
+  std::printf("\n  band  columns     blocks  density       MiB\n");
+  for (const json& band : bake["bands"]) {
+    std::printf("  %4d  %7zu  %9zu  %6.2f %%  %8.1f\n", band["band"].get<int>(),
+                band["columns"].get<std::size_t>(), band["blocks"].get<std::size_t>(),
+                100 * band["density"].get<double>(), mebibytes(band["bytes"]));
+  }
+  std::printf("\n  file                        MiB\n");
+  for (const json& file : bake["files"]) {
+    std::printf("  %-24s %8.1f\n", file["file"].get<std::string>().c_str(),
+                mebibytes(file["bytes"]));
+  }
+  std::printf("\n  environments:");
+  for (const json& one : bake["environments"]) {
+    std::printf(" %s (%d × %d)", one["name"].get<std::string>().c_str(), one["width"].get<int>(),
+                one["height"].get<int>());
+  }
+  std::printf("\n\n  left out: %s\n  measured: %s\n  settings: %s\n",
+              bake["left_out"].dump().c_str(), bake["measured"].dump().c_str(),
+              bake["settings"].dump().c_str());
+}
+
+int run(const InspectOptions& options) {
+  const Bake bake(options.folder);
+  if (options.verify) bake.verify();
+  json result = describe(bake);
+  if (options.verify) result["verified"] = true;
+  if (options.json) {
+    std::printf("%s\n", result.dump().c_str());
+  } else {
+    print(result, options.verify);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_inspect_command(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<InspectOptions>();
+  CLI::App* const command =
+      app.add_subcommand("inspect", "Tell what a bake holds and what was left out of it");
+  command->add_option("bake", options->folder, "Bake, a NAME.bake folder")->required();
+  command->add_flag("--verify", options->verify, "Check every checksum of every file");
+  command->add_flag("--json", options->json, "Print the result as one JSON object");
+  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+}
+
+}  // namespace rimlight

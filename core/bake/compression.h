@@ -1,0 +1,31 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/bake/tile_store.h"
+#include "core/light/cube_light.h"
+#include "core/math/vec.h"
+
+namespace rimlight {
+
+/// The images of all tiles' covered receivers under some lights: [light][receiver].
+using LightImages = std::vector<std::vector<Vec3f>>;
+
+/// Each covered receiver under each light, from the stored tiles pruned at `threshold`: what a bake
+/// of them would show. In parallel over tiles; memory: the images and one tile a thread.
+LightImages compressed_images(const TileStore& store, std::span<const CubeLight> lights,
+                              float threshold);
+
+/// The same from the check images: made before anything was left out.
+LightImages reference_images(const TileStore& store);
+
+/// Display-referred PSNR of each light's image against its reference, in dB.
+std::vector<double> measure_psnr(const LightImages& images, const LightImages& references);
+
+/// The largest threshold of first_threshold · 2^(k/8), k = 0 … 16, at which every light still has
+/// `psnr_db`; 0 when the first has not.
+float choose_threshold(const TileStore& store, std::span<const CubeLight> lights,
+                       const LightImages& references, float first_threshold, double psnr_db);
+
+}  // namespace rimlight

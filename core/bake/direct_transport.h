@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/bake/group.h"
+#include "core/scene/ray_scene.h"
+
+namespace rimlight {
+
+/// Light that reaches a pixel's surfaces straight from the environment: for each texel t
+///
+///     M_t = Σ_surfaces share · ( ∫_t f(ω, ω_o) cos⁺θ dω ) · V_t
+///
+/// A pixel's primary hits are grouped into surfaces (same material, like normals), since their mean
+/// response is smooth over t and only the visibility V_t is random: noise in the smooth factor
+/// would fill every fine band. The factor is a 2×2 quadrature inside each texel; V_t is the mean of
+/// shadow rays at jittered directions from random hits of the surface: one ray, and four more where
+/// the neighbouring texels disagree. (That test leaves t's own ray out, so that the mean stays
+/// unbiased.)
+class DirectTransport {
+ public:
+  /// Keeps the scene; `cube_size` is N.
+  DirectTransport(const RayScene& scene, int cube_size);
+  ~DirectTransport();
+
+  /// Adds the direct transport of a group to its rows. Any thread; the result depends on samples
+  /// and seed alone.
+  void add(const GroupSamples& samples, std::uint64_t seed, GroupRows& rows) const;
+
+ private:
+  struct Tables;
+  const RayScene& scene_;
+  std::unique_ptr<Tables> tables_;
+};
+
+}  // namespace rimlight

@@ -1,0 +1,60 @@
+#include "core/bake/surface_groups.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rimlight {
+namespace {
+
+bool same_material(const Brdf& a, const Brdf& b) {
+  constexpr float kAlbedoTolerance = 0.1f;
+  const Vec3f difference = a.albedo - b.albedo;
+  return a.model == b.model && a.specular == b.specular && a.exponent == b.exponent &&
+         a.roughness == b.roughness && a.eta == b.eta && a.k == b.k &&
+         std::abs(difference.x) <= kAlbedoTolerance && std::abs(difference.y) <= kAlbedoTolerance &&
+         std::abs(difference.z) <= kAlbedoTolerance;
+}
+
+/// How unlike a hit is to a surface: 0 … 2 by normals, 4 more for another material.
+float unlikeness(const PixelSurface& surface, const SurfaceHit& hit) {
+  // Opposite normals may cancel: then nothing is alike.
+  const float alike =
+      dot(surface.normal_sum, hit.shading_normal) / std::max(length(surface.normal_sum), 1e-6f);
+  return (same_material(surface.brdf, hit.brdf) ? 0.0f : 4.0f) + 1 - alike;
+}
+
+}  // namespace
+
+void find_surfaces(const GroupSamples& samples, std::size_t lane,
+                   std::vector<PixelSurface>& surfaces) {
+  constexpr float kLikeEnough = 0.05f;  // 1 − cos 18°
+  surfaces.clear();
+  for (int ray = 0; ray < samples.rays; ++ray) {
+    const auto& hit = samples.hit(lane, ray);
+    if (!hit) continue;
+    PixelSurface* nearest = nullptr;
+    float least = 0;
+    for (PixelSurface& surface : surfaces) {
+      const float value = unlikeness(surface, *hit);
+      if (nearest == nullptr || value < least) {
+        nearest = &surface;
+        least = value;
+      }
+    }
+    if (nearest == nullptr || (least > kLikeEnough && surfaces.size() < kMostSurfaces)) {
+      surfaces.emplace_back();
+      nearest = &surfaces.back();
+      nearest->brdf = hit->brdf;
+      nearest->brdf.albedo = {};
+    }
+    nearest->hits.push_back(&*hit);
+    nearest->outgoing.push_back(samples.out(lane, ray));
+    nearest->normal_sum += hit->shading_normal;
+    // The mean so far, so that later hits compare with it.
+    const auto count = static_cast<float>(nearest->hits.size());
+    nearest->brdf.albedo += (hit->brdf.albedo - nearest->brdf.albedo) / count;
+    nearest->share = count / static_cast<float>(samples.rays);
+  }
+}
+
+}  // namespace rimlight

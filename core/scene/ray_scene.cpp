@@ -1,0 +1,231 @@
+#include "core/scene/ray_scene.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+#include "core/base/check.h"
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+#include "core/scene/texture.h"
+
+namespace rimlight {
+namespace {
+
+/// Rays of one stream: enough to fill Embree's queues, few enough to stay in L2.
+constexpr std::size_t kStreamSize = 512;
+/// A hit's position is off by a few 2^-24 of the triangle's coordinates, and so is Embree's own
+/// arithmetic on a neighbour's plane: 2^-16 of them clears both by far.
+constexpr float kOffsetScale = 0x1p-16f;
+/// The least cosine between a shading normal and the ray that it faces.
+constexpr float kLeastCosine = 0.01f;
+
+struct ReleaseDevice {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+struct ReleaseScene {
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+struct ReleaseGeometry {
+  void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+using DevicePtr = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice>;
+using ScenePtr = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
+using GeometryPtr = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry>;
+
+void check_device(RTCDevice device, const std::string& scene_name) {
+  const RTCError code = rtcGetDeviceError(device);
+  if (code == RTC_ERROR_NONE) return;
+  const std::string found = code == RTC_ERROR_OUT_OF_MEMORY
+                                ? "no memory for its tree of rays"
+                                : "Embree error " + std::to_string(static_cast<int>(code));
+  throw Error(scene_name, found, "a scene that Embree can take");
+}
+
+/// A buffer of Embree's own (which it pads as its SIMD loads need), filled from `values`.
+template <typename T>
+bool fill_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format,
+                 const std::vector<T>& values) {
+  void* const buffer = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), values.size());
+  if (buffer != nullptr) std::memcpy(buffer, values.data(), values.size() * sizeof(T));
+  return buffer != nullptr;
+}
+
+/// Geometry ids are mesh indices; a mesh without triangles leaves its id unused.
+void attach(RTCDevice device, RTCScene scene, const Mesh& mesh, unsigned id) {
+  if (mesh.triangles.empty()) return;
+  const GeometryPtr geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
+  if (!geometry) return;
+  static_assert(sizeof(Vec3f) == 12 && sizeof(mesh.triangles[0]) == 12);
+  if (!fill_buffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, mesh.positions) ||
+      !fill_buffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, mesh.triangles)) {
+    return;  // the device holds the error
+  }
+  rtcCommitGeometry(geometry.get());
+  rtcAttachGeometryByID(scene, geometry.get(), id);
+}
+
+RTCRay embree_ray(const Ray& ray, float far) {
+  RTCRay result{};
+  result.org_x = ray.origin.x;
+  result.org_y = ray.origin.y;
+  result.org_z = ray.origin.z;
+  result.dir_x = ray.direction.x;
+  result.dir_y = ray.direction.y;
+  result.dir_z = ray.direction.z;
+  result.tnear = 0;
+  result.tfar = far;
+  result.mask = 0xffffffffu;
+  return result;
+}
+
+float largest_component(const Vec3f& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// Weights of a triangle's corners.
+struct Barycentric {
+  float w0, w1, w2;
+
+  template <typename T>
+  auto mix(const T& a, const T& b, const T& c) const {
+    return a * w0 + b * w1 + c * w2;
+  }
+};
+
+/// The interpolated normal on the side of `geometric`, bent until it faces `to_ray`.
+Vec3f shading_normal(const Mesh& mesh, const std::array<std::uint32_t, 3>& corner,
+                     const Barycentric& at, const Vec3f& geometric, const Vec3f& to_ray) {
+  if (mesh.normals.empty()) return geometric;
+  Vec3f normal = at.mix(mesh.normals[corner[0]], mesh.normals[corner[1]], mesh.normals[corner[2]]);
+  const float squared = dot(normal, normal);
+  if (!(squared > 1e-12f)) return geometric;
+  normal = normal / std::sqrt(squared);
+  // Not by the sign of a single dot product: a smooth normal may lean over the edge of its
+  // triangle.
+  if (dot(normal, geometric) < 0) normal = -normal;
+  const float cosine = dot(normal, to_ray);
+  if (cosine >= kLeastCosine) return normal;
+  // Both the normal and to_ray are on the geometric side, and so is their sum.
+  const Vec3f bent = normal + to_ray * (kLeastCosine - cosine);
+  return dot(bent, bent) > 1e-12f ? normalized(bent) : geometric;
+}
+
+Brdf brdf_at(const Material& material, const Mesh& mesh, const std::array<std::uint32_t, 3>& corner,
+             const Barycentric& at) {
+  Brdf brdf = material.brdf;
+  if (!material.albedo_texture || mesh.texture_coordinates.empty()) return brdf;
+  const auto& a = mesh.texture_coordinates[corner[0]];
+  const auto& b = mesh.texture_coordinates[corner[1]];
+  const auto& c = mesh.texture_coordinates[corner[2]];
+  brdf.albedo *=
+      texture_at(*material.albedo_texture, {at.mix(a.u, b.u, c.u), at.mix(a.v, b.v, c.v)});
+  return brdf;
+}
+
+}  // namespace
+
+struct RayScene::State {
+  std::shared_ptr<const Scene> source;
+  DevicePtr device;
+  ScenePtr tree;
+  float extent = 0;
+};
+
+RayScene::RayScene(std::shared_ptr<const Scene> scene) : state_(std::make_unique<State>()) {
+  RIMLIGHT_CHECK(scene != nullptr);
+  flush_denormals();
+  state_->source = std::move(scene);
+  // One thread: Embree's parallel builders split by work stealing, which may change the tree.
+  state_->device.reset(rtcNewDevice("threads=1,set_affinity=0"));
+  RTCDevice const device = state_->device.get();
+  if (device == nullptr) throw Error("Embree", "no device", "a CPU with SSE2");
+  state_->tree.reset(rtcNewScene(device));
+  RTCScene const tree = state_->tree.get();
+  check_device(device, state_->source->name);
+  rtcSetSceneBuildQuality(tree, RTC_BUILD_QUALITY_HIGH);
+  rtcSetSceneFlags(tree, RTC_SCENE_FLAG_ROBUST);  // watertight along shared edges
+  for (std::size_t i = 0; i < state_->source->meshes.size(); ++i) {
+    attach(device, tree, state_->source->meshes[i], static_cast<unsigned>(i));
+  }
+  check_device(device, state_->source->name);
+  rtcCommitScene(tree);
+  check_device(device, state_->source->name);
+  RTCBounds bounds{};
+  rtcGetSceneBounds(tree, &bounds);
+  const float longest = std::max({bounds.upper_x - bounds.lower_x, bounds.upper_y - bounds.lower_y,
+                                  bounds.upper_z - bounds.lower_z});
+  state_->extent = longest > 0 ? longest : 0;  // an empty scene's bounds are inside out
+}
+
+RayScene::~RayScene() = default;
+
+const Scene& RayScene::scene() const { return *state_->source; }
+
+float RayScene::extent() const { return state_->extent; }
+
+std::optional<SurfaceHit> RayScene::intersect(const Ray& ray) const {
+  RTCRayHit query{};
+  query.ray = embree_ray(ray, std::numeric_limits<float>::infinity());
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(state_->tree.get(), &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+
+  const Mesh& mesh = state_->source->meshes[query.hit.geomID];
+  const auto& corner = mesh.triangles[query.hit.primID];
+  const Vec3f& a = mesh.positions[corner[0]];
+  const Vec3f& b = mesh.positions[corner[1]];
+  const Vec3f& c = mesh.positions[corner[2]];
+  const Barycentric at{1 - query.hit.u - query.hit.v, query.hit.u, query.hit.v};
+  SurfaceHit hit;
+  // From the corners, not along the ray: the error does not grow with the distance.
+  hit.position = at.mix(a, b, c);
+  hit.distance = query.ray.tfar;
+  // In double: a sliver's cross product in floats may point anywhere.
+  const Vec3d corner_a(a);
+  hit.geometric_normal = Vec3f(normalized(cross(Vec3d(b) - corner_a, Vec3d(c) - corner_a)));
+  if (dot(hit.geometric_normal, ray.direction) > 0) hit.geometric_normal = -hit.geometric_normal;
+  hit.shading_normal = shading_normal(mesh, corner, at, hit.geometric_normal, -ray.direction);
+  hit.brdf = brdf_at(state_->source->materials[mesh.material], mesh, corner, at);
+  hit.offset =
+      kOffsetScale * std::max({largest_component(a), largest_component(b), largest_component(c)});
+  return hit;
+}
+
+void RayScene::visible(std::span<const Ray> rays, std::span<const float> far,
+                       std::span<std::uint8_t> visible) const {
+  RIMLIGHT_CHECK_EQ(visible.size(), rays.size());
+  RIMLIGHT_CHECK(far.empty() || far.size() == rays.size());
+  alignas(64) thread_local std::array<RTCRay, kStreamSize> stream;
+  flush_denormals();
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  for (std::size_t begin = 0; begin < rays.size(); begin += kStreamSize) {
+    const std::size_t count = std::min(kStreamSize, rays.size() - begin);
+    for (std::size_t i = 0; i < count; ++i) {
+      const float end = far.empty() ? std::numeric_limits<float>::infinity() : far[begin + i];
+      stream[i] = embree_ray(rays[begin + i], end);
+    }
+    rtcOccluded1M(state_->tree.get(), &context, stream.data(), static_cast<unsigned>(count),
+                  sizeof(RTCRay));
+    // An occluded ray's end is set to minus infinity.
+    for (std::size_t i = 0; i < count; ++i) {
+      visible[begin + i] = stream[i].tfar == -std::numeric_limits<float>::infinity() ? 0 : 1;
+    }
+  }
+}
+
+Vec3f RayScene::ray_origin(const SurfaceHit& hit, const Vec3f& direction) {
+  const float side = dot(hit.geometric_normal, direction) < 0 ? -hit.offset : hit.offset;
+  return hit.position + hit.geometric_normal * side;
+}
+
+}  // namespace rimlight
