@@ -11,7 +11,7 @@
 #include "cli/command.h"
 #include "cli/load_client.h"
 #include "cli/load_report.h"
-#include "server/session/scene_catalog.h"
+#include "server/session/baked_scene.h"
 
 namespace rimlight {
 namespace {

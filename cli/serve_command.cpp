@@ -12,6 +12,7 @@
 #include "cli/serve_config.h"
 #include "core/transport/bake_folder.h"
 #include "server/schedule/render_queue.h"
+#include "server/session/baked_scene.h"
 
 namespace rimlight {
 namespace {

@@ -45,9 +45,9 @@ Clock::time_point RenderQueue::next_due() const {
 void RenderQueue::run(const std::stop_token& stop) {
   flush_denormals();
   while (!stop.stop_requested()) {
-    if (run_one(Clock::now())) continue;
+    if (run_one(now())) continue;
     std::unique_lock lock(mutex_);
-    const auto due_now = [&] { return !by_due_.empty() && by_due_.begin()->first <= Clock::now(); };
+    const auto due_now = [&] { return !by_due_.empty() && by_due_.begin()->first <= now(); };
     // A due time that moves is a change too: the wait starts again with the new one.
     if (by_due_.empty()) {
       changed_.wait(lock, stop, [&] { return !by_due_.empty(); });

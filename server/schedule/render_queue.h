@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -26,6 +27,11 @@ class RenderJob {
 /// one compute thread runs (its work uses all cores by itself).
 class RenderQueue {
  public:
+  using TimeSource = std::function<Clock::time_point()>;
+  explicit RenderQueue(TimeSource now = Clock::now) : now_(std::move(now)) {}
+
+  Clock::time_point now() const { return now_(); }
+
   /// From now on `job` is due at `due`: replaces what was scheduled for it. A job that is gone by
   /// then is passed over.
   void schedule(const std::shared_ptr<RenderJob>& job, Clock::time_point due);
@@ -46,6 +52,7 @@ class RenderQueue {
     std::weak_ptr<RenderJob> job;
   };
 
+  const TimeSource now_;
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::set<Entry> by_due_;

@@ -18,7 +18,7 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
     : name_(std::move(name)), scene_(scene), settings_(settings), queue_(queue) {
   state_.environment = scene.environments.front();
   revision_.epoch = epoch;
-  idle_since_ = Clock::now();
+  idle_since_ = queue.now();
   last_edit_ = *idle_since_ - settings.quiet;  // the first frame need not wait for quiet
 }
 
@@ -155,7 +155,7 @@ void DesignSession::work(Clock::time_point now) noexcept {
     }
   }
   const std::lock_guard lock(mutex_);
-  reschedule(Clock::now());
+  reschedule(queue_.now());
 }
 
 FramePtr DesignSession::make_frame(const Task& task) {
@@ -170,7 +170,7 @@ FramePtr DesignSession::make_frame(const Task& task) {
     };
     if (!source_->render_exact(task.state, image_, report, abandon)) return nullptr;
   }
-  const Clock::time_point start = Clock::now();
+  const Clock::time_point start = queue_.now();
   const bool exact = task.kind == Work::exact;
   if (exact) {
     encode_png(image_, payload_);
@@ -190,7 +190,7 @@ FramePtr DesignSession::make_frame(const Task& task) {
   header.rotate_ms = report.rotate_ms;
   header.update_ms = report.update_ms;
   header.display_ms = report.display_ms;
-  header.encode_ms = milliseconds(Clock::now() - start);
+  header.encode_ms = milliseconds(queue_.now() - start);
   return write_frame_message(header, payload_);
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -21,14 +20,6 @@ struct ServedScene {
   Camera camera;
   std::function<std::unique_ptr<FrameSource>()> make_source;
 };
-
-/// The name that a bake is served by: its folder's without the ending ("terrace.bake/" is
-/// "terrace").
-std::string scene_name(const std::filesystem::path& bake_folder);
-
-/// The scene of an opened bake. Throws Error when its name does not fit a URL or it has no
-/// environment.
-ServedScene serve_bake(std::shared_ptr<const Bake> bake, const RelightSettings& settings);
 
 /// The scenes by name; the first is the default. Immutable after it is made; any thread.
 class SceneCatalog {
