@@ -32,6 +32,3 @@ class TemporaryFolder {
 
 }  // namespace rimlight::test
 
-namespace rimlight {
-namespace testing_support = test;
-}

@@ -16,7 +16,7 @@
 namespace rimlight {
 namespace {
 
-using testing_support::random_transport;
+using test::random_transport;
 
 /// Runs `check` with each SIMD target that this machine supports and the kernel has.
 template <typename Check>

@@ -15,7 +15,7 @@
 namespace rimlight {
 namespace {
 
-using testing_support::TemporaryFolder;
+using test::TemporaryFolder;
 
 /// Four tensors over more than two hashed blocks, of sizes that need padding, one of them empty.
 struct Sample {
