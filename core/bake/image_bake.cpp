@@ -1,10 +1,12 @@
 #include "core/bake/image_bake.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <utility>
 
+#include "core/bake/bake_output.h"
 #include "core/bake/compression.h"
 #include "core/bake/fingerprint.h"
 #include "core/bake/group_baker.h"
@@ -12,7 +14,6 @@
 #include "core/bake/tile_store.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
-#include "core/image/metrics.h"
 #include "core/math/random.h"
 #include "core/transport/bake_folder.h"
 #include "core/transport/tile_builder.h"
@@ -131,21 +132,35 @@ class ImageBake {
     report("writing", 0);
     const auto images = compressed_images(store, baker_.check_lights(), threshold);
     const std::vector<double> psnr = measure_psnr(images, references);
-    write_transport(store, threshold);
-    write_coverage(store);
-    add_environments(store, threshold);
-    BakeManifest manifest = describe(psnr, threshold);
+    summary_.blocks = write_transport(writer_, store, baker_.layout(), threshold);
+    write_environments(writer_, store, *scene_, threshold);
+    writer_.commit(describe(psnr, threshold));
     summary_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    manifest.measured["seconds"] = std::round(summary_.seconds * 10) / 10;
-    manifest.measured["resumed_tiles"] = summary_.resumed_tiles;
-    writer_.commit(manifest);
     report("writing", 1);
   }
 
-  void write_transport(const TileStore& store, float threshold);
-  void write_coverage(const TileStore& store);
-  void add_environments(const TileStore& store, float threshold);
-  BakeManifest describe(const std::vector<double>& psnr, float threshold);
+  BakeManifest describe(const std::vector<double>& psnr, float threshold) {
+    const auto worst = std::min_element(psnr.begin(), psnr.end());
+    summary_.worst_psnr_db = *worst;
+    summary_.worst_light = lights_[static_cast<std::size_t>(worst - psnr.begin())].name;
+    const BakeSettings& bake = scene_->bake;
+    BakeManifest manifest;
+    manifest.scene = scene_->name;
+    manifest.pixels = baker_.layout();
+    manifest.cube_size = haar_.size();
+    manifest.camera = scene_->camera;
+    manifest.settings = {{"primary_rays", bake.primary_rays},
+                         {"bounces", bake.bounces},
+                         {"psnr_db", bake.psnr_db},
+                         {"seed", bake.seed}};
+    for (std::size_t light = 0; light < lights_.size(); ++light) {
+      manifest.measured["psnr_db"][lights_[light].name] = std::round(psnr[light] * 100) / 100;
+    }
+    manifest.left_out = {{"blocks_below", threshold},
+                         {"worst_psnr_db", summary_.worst_psnr_db},
+                         {"worst_light", summary_.worst_light}};
+    return manifest;
+  }
 
   std::shared_ptr<const Scene> scene_;
   const std::function<void(const BakeProgress&)>& progress_;
@@ -158,4 +173,11 @@ class ImageBake {
 };
 
 }  // namespace
+
+BakeSummary bake_image(const std::shared_ptr<const Scene>& scene,
+                       const std::filesystem::path& folder,
+                       const std::function<void(const BakeProgress&)>& progress) {
+  return ImageBake(scene, folder, progress).run();
+}
+
 }  // namespace rimlight

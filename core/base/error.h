@@ -24,8 +24,8 @@ class Error : public std::runtime_error {
   std::string expected_;
 };
 
-/// A name from outside, shortened and with control characters escaped, in double quotes: safe to
-/// print.
+/// A name from outside in double quotes, safe to print and to send: cut to 80 bytes (between
+/// characters), with control characters, quotes and whatever is not UTF-8 escaped.
 std::string quote(std::string_view text);
 
 }  // namespace rimlight

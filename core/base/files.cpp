@@ -58,6 +58,13 @@ void write_all(const Descriptor& file, std::string_view bytes, const std::filesy
   }
 }
 
+void write_and_flush(const std::filesystem::path& path, std::string_view bytes) {
+  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  if (!file.is_open()) fail(path, "a file that can be written");
+  write_all(file, bytes, path);
+  if (::fsync(file.get()) != 0) fail(path, "a disk that keeps what is written");
+}
+
 }  // namespace
 
 MappedFile::MappedFile(const std::filesystem::path& path, std::size_t most) {
@@ -105,15 +112,16 @@ std::string read_file(const std::filesystem::path& path, std::size_t most) {
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
   std::filesystem::path temporary = path;
   temporary += ".partial";
-  {
-    const Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    if (!file.is_open()) fail(temporary, "a file that can be written");
-    write_all(file, bytes, temporary);
-    if (::fsync(file.get()) != 0) fail(temporary, "a disk that keeps what is written");
+  try {
+    write_and_flush(temporary, bytes);
+    std::error_code error;
+    std::filesystem::rename(temporary, path, error);
+    if (error) throw Error(path.string(), error.message(), "a name that can be replaced");
+  } catch (const Error&) {
+    std::error_code ignored;  // the first error is the one to tell
+    std::filesystem::remove(temporary, ignored);
+    throw;
   }
-  std::error_code error;
-  std::filesystem::rename(temporary, path, error);
-  if (error) throw Error(path.string(), error.message(), "a name that can be replaced");
   const auto folder = path.parent_path();
   flush_to_disk(folder.empty() ? std::filesystem::path(".") : folder);
 }

@@ -33,7 +33,7 @@ class MappedFile {
 std::string read_file(const std::filesystem::path& path, std::size_t most);
 
 /// Writes beside the target, flushes to the disk, then renames: the file exists whole or not at
-/// all.
+/// all, and a failure leaves nothing beside it. Throws Error.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);
 
 /// Flushes a file or a folder to the disk; throws Error.

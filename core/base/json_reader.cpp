@@ -35,6 +35,21 @@ std::string escaped(std::string_view name) {
   return result;
 }
 
+/// The number when it is whole and fits, however it is written (2, 2.0, 2e0); exact: 2⁵³ + 1 is not
+/// rounded.
+std::optional<std::int64_t> whole_number(const json& value) {
+  if (value.is_number_unsigned()) {
+    const auto number = value.get<std::uint64_t>();
+    if (number > static_cast<std::uint64_t>(INT64_MAX)) return std::nullopt;
+    return static_cast<std::int64_t>(number);
+  }
+  if (value.is_number_integer()) return value.get<std::int64_t>();
+  if (!value.is_number_float()) return std::nullopt;
+  const auto number = value.get<double>();
+  if (!(number >= -0x1p63 && number < 0x1p63) || number != std::floor(number)) return std::nullopt;
+  return static_cast<std::int64_t>(number);
+}
+
 }  // namespace
 
 json parse_json(std::string_view text, const std::string& source) {
@@ -91,6 +106,10 @@ std::vector<std::pair<std::string, JsonReader>> JsonReader::members() const {
 }
 
 void JsonReader::allow_only(std::initializer_list<std::string_view> known) const {
+  allow_only(std::vector<std::string_view>(known));
+}
+
+void JsonReader::allow_only(const std::vector<std::string_view>& known) const {
   if (!value_->is_object()) fail("an object");
   for (const auto& [name, member] : value_->items()) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
@@ -137,16 +156,11 @@ double JsonReader::number(double low, double high) const {
 }
 
 std::int64_t JsonReader::integer(std::int64_t low, std::int64_t high) const {
-  const std::string expected =
-      "a whole number from " + std::to_string(low) + " to " + std::to_string(high);
-  if (!value_->is_number()) fail(expected);
-  const auto number = value_->get<double>();
-  if (!(number >= static_cast<double>(low) && number <= static_cast<double>(high)) ||
-      number != std::floor(number)) {
-    fail(expected);
+  const std::optional<std::int64_t> whole = whole_number(*value_);
+  if (!whole || *whole < low || *whole > high) {
+    fail("a whole number from " + std::to_string(low) + " to " + std::to_string(high));
   }
-  return value_->is_number_float() ? static_cast<std::int64_t>(number)
-                                   : value_->get<std::int64_t>();
+  return *whole;
 }
 
 std::vector<double> JsonReader::numbers(std::size_t count, double low, double high) const {

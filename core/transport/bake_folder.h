@@ -2,20 +2,31 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/light/environment.h"
 #include "core/math/camera.h"
 #include "core/transport/receivers.h"
 #include "core/transport/tensor_file.h"
+#include "core/transport/tile_transport.h"
 #include "core/transport/transport.h"
 
 namespace rimlight {
 
 inline constexpr int kBakeVersion = 1;
+
+/// Files of a bake; docs/formats/bake.md has the tensors of each.
+inline constexpr const char* kManifestFile = "manifest.json";
+inline constexpr const char* kManifestHashFile = "manifest.json.xxh64";
+inline constexpr const char* kTransportFile = "transport.safetensors";
+inline constexpr const char* kPixelsFile = "pixels.safetensors";
 
 /// An environment as a bake keeps it: its image, as it was read or made, and the exposure that
 /// shows the bake well in it.
@@ -32,41 +43,62 @@ struct BakeManifest {
   PixelLayout pixels;
   int cube_size = 0;  // N
   Camera camera;
-  nlohmann::json settings;  // bounces, primary rays, seed, …: what it was baked with
-  nlohmann::json measured;  // per check light: PSNR in dB; blocks kept per band; seconds; …
-  nlohmann::json left_out;  // what was left out and what error that costs
+  // Objects, for people and for inspect: kept as they are.
+  nlohmann::json settings = nlohmann::json::object();  // bounces, seed, …: what it was baked with
+  nlohmann::json measured = nlohmann::json::object();  // PSNR per check light; blocks per band; …
+  nlohmann::json left_out = nlohmann::json::object();  // what is left out, what error that costs
 };
 
 /// Writes a bake: everything goes to "NAME.bake.partial/", is flushed, and renamed by commit().
-/// Without commit() nothing of the name NAME.bake exists (the partial folder stays, for resuming).
+/// Without commit() nothing of the name NAME.bake exists or changes (the partial folder stays, for
+/// resuming). Throws Error when the disk refuses. One thread at a time.
 class BakeWriter {
  public:
-  /// An existing partial folder is kept: its parts can be resumed. Throws Error.
+  /// An existing partial folder is kept, so that its parts can be resumed; unless it has a
+  /// manifest: then it is what a killed commit() left, and is emptied. Throws Error when another
+  /// process writes this bake, or when `folder` exists and is something else than a bake.
   explicit BakeWriter(std::filesystem::path folder);
+  ~BakeWriter();
+  BakeWriter(const BakeWriter&) = delete;
+  BakeWriter& operator=(const BakeWriter&) = delete;
 
   const std::filesystem::path& partial_folder() const { return partial_; }
   /// A tensor file inside the partial folder; its summary goes to add_file() once finished.
   std::unique_ptr<TensorFileWriter> create(const std::string& file,
                                            std::vector<TensorShape> tensors);
   void add_file(const std::string& file, const TensorFileWriter::Summary& summary);
+
+  /// The transport, tile by tile: `tile(t)` is asked three times for each t, in ascending order
+  /// each time, and its answer is used up before the next is asked for. Blocks written.
+  std::size_t add_transport(std::size_t tile_count,
+                            const std::function<const TileTransport&(std::size_t)>& tile);
+  /// Share of each pixel that geometry covers, in [0, 1]: [height][width]; kept in 8 bits.
+  void add_coverage(const PixelLayout& pixels, std::span<const float> coverage);
+  /// At least one; names differ. The first is the default.
   void add_environment(const BakedEnvironment& environment);
+
   /// Writes the manifest and its hash, removes what does not belong to the bake (parts), flushes,
   /// and renames the folder; an older bake of that name is replaced as a whole.
   void commit(const BakeManifest& manifest);
 
  private:
+  class Lock;
+
   std::filesystem::path folder_;
   std::filesystem::path partial_;
-  nlohmann::json files_;
-  nlohmann::json environments_;
+  std::unique_ptr<Lock> lock_;
+  std::map<std::string, TensorFileSummary> files_;
+  nlohmann::json environments_ = nlohmann::json::array();
 };
 
-/// An opened bake: manifest checked (version, hash, every field), tensors mapped.
-/// Throws Error naming file and field. Immutable; any thread.
+/// An opened bake: manifest checked (version, hash, every field), all tensors mapped, hashed and
+/// checked. Throws Error naming file and field. Immutable; any thread.
 class Bake {
  public:
   explicit Bake(const std::filesystem::path& folder);
   ~Bake();
+  Bake(const Bake&) = delete;
+  Bake& operator=(const Bake&) = delete;
 
   const std::filesystem::path& folder() const { return folder_; }
   const BakeManifest& manifest() const { return manifest_; }
@@ -74,19 +106,24 @@ class Bake {
   /// Share of a pixel that geometry covers, in [0, 1]: [height][width].
   const std::vector<float>& coverage() const { return coverage_; }
   const std::vector<BakedEnvironment>& environments() const { return environments_; }
-  /// Bytes of each file on disk, for inspect.
-  std::vector<std::pair<std::string, std::uint64_t>> files() const;
-  /// Hashes every block of every file; throws Error at the first that is wrong.
+  /// Names and bytes of the files on disk, for inspect.
+  std::vector<std::pair<std::string, std::uint64_t>> files() const { return file_sizes_; }
+  /// Hashes every block of every file afresh; throws Error at the first that is wrong.
   void verify() const;
 
  private:
+  const TensorFile& file(const std::string& name) const;
+  void read_transport();
+  void read_coverage();
+  void read_environment(const JsonReader& json);
+
   std::filesystem::path folder_;
   BakeManifest manifest_;
+  std::map<std::string, TensorFile> files_;
+  std::vector<std::pair<std::string, std::uint64_t>> file_sizes_;
   TransportView transport_;
   std::vector<float> coverage_;
   std::vector<BakedEnvironment> environments_;
-  std::vector<std::unique_ptr<TensorFile>> files_;
-  std::vector<std::pair<std::string, std::uint64_t>> file_sizes_;
 };
 
 }  // namespace rimlight

@@ -1,8 +1,8 @@
 // Compiled once for each SIMD target; the one in use is chosen at the first call.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/transport/column_kernel.cpp"
-#include <hwy/foreach_target.h>  // IWYU pragma: keep; before highway.h
 #include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>  // IWYU pragma: keep; before highway.h
 #include <hwy/highway.h>
 
 #include "core/transport/column_kernel.h"

@@ -214,6 +214,8 @@ TensorFile::TensorFile(const std::filesystem::path& path, TensorFileSummary expe
 TensorFile::~TensorFile() = default;
 TensorFile::TensorFile(TensorFile&&) noexcept = default;
 
+std::uint64_t TensorFile::byte_count() const { return state_->expected.bytes; }
+
 bool TensorFile::has(const std::string& name) const { return state_->entries.contains(name); }
 
 std::vector<std::string> TensorFile::names() const {

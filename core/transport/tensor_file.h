@@ -90,6 +90,7 @@ class TensorFile {
   ~TensorFile();
   TensorFile(TensorFile&&) noexcept;
 
+  std::uint64_t byte_count() const;
   bool has(const std::string& name) const;
   std::vector<std::string> names() const;
   const std::vector<std::size_t>& shape(const std::string& name) const;

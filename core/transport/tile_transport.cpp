@@ -93,7 +93,9 @@ void save_part(const std::filesystem::path& path, const TileTransport& tile,
   writer.append(std::span<const Half>(tile.value));
   nlohmann::json sidecar = {{"file", writer.finish().to_json()},
                             {"fingerprint", hash_text(fingerprint)}};
-  std::filesystem::rename(partial, path);
+  std::error_code error;
+  std::filesystem::rename(partial, path, error);
+  if (error) throw Error(path.string(), error.message(), "a name that can be replaced");
   // Last: the part counts from here on, since only now do hashes and file agree.
   write_file_atomically(with_ending(path, ".json"), sidecar.dump());
 }

@@ -1,0 +1,138 @@
+#include "core/transport/bake_folder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "core/base/parallel.h"
+#include "core/basis/cube_map.h"
+#include "core/image/image_file.h"
+#include "core/transport/bake_manifest.h"
+
+namespace rimlight {
+namespace {
+
+constexpr std::size_t kMostFiles = 4096;
+constexpr std::size_t kMostImagePixels = std::size_t{1} << 28;
+
+std::string shape_text(const std::vector<std::size_t>& shape) {
+  std::string text = "[";
+  for (const std::size_t side : shape) text += (text.size() > 1 ? ", " : "") + std::to_string(side);
+  return text + "]";
+}
+
+void expect_shape(const TensorFile& file, const std::string& path, const std::string& name,
+                  const std::vector<std::size_t>& expected) {
+  const auto& found = file.shape(name);
+  if (found == expected) return;
+  throw Error(path + ": tensor " + quote(name), "shape " + shape_text(found),
+              "shape " + shape_text(expected));
+}
+
+}  // namespace
+
+Bake::Bake(const std::filesystem::path& folder) : folder_(folder) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    throw Error(folder.string(), "no folder", "a bake");
+  }
+  const std::string text = read_manifest_text(folder);
+  const std::string source = (folder / kManifestFile).string();
+  const nlohmann::json json = parse_json(text, source);
+  const JsonReader reader(json, source);
+  manifest_ = read_manifest(reader);
+  const JsonReader files = reader.member("files");
+  for (const auto& [name, summary] : files.members()) {
+    if (!is_plain_file_name(name)) summary.fail("a plain file name");
+    if (files_.size() == kMostFiles) files.fail("at most " + std::to_string(kMostFiles) + " files");
+    files_.emplace(name, TensorFile(folder / name, TensorFileSummary::from_json(summary)));
+  }
+  file_sizes_ = {{kManifestFile, text.size()},
+                 {kManifestHashFile, manifest_hash_line(text).size()}};
+  for (const auto& item : files_) file_sizes_.emplace_back(item.first, item.second.byte_count());
+  read_transport();
+  read_coverage();
+  for (const JsonReader& environment : reader.member("environments").elements(1, kMostFiles)) {
+    read_environment(environment);
+  }
+}
+
+Bake::~Bake() = default;
+
+const TensorFile& Bake::file(const std::string& name) const {
+  const auto found = files_.find(name);
+  if (found != files_.end()) return found->second;
+  throw Error((folder_ / kManifestFile).string() + ": /files", "no " + quote(name), quote(name));
+}
+
+void Bake::read_transport() {
+  const TensorFile& tensors = file(kTransportFile);
+  const std::string path = (folder_ / kTransportFile).string();
+  const std::size_t tiles = manifest_.pixels.tile_count();
+  const std::size_t columns = cube::texel_count(manifest_.cube_size);
+  expect_shape(tensors, path, "tile_first_block", {tiles + 1});
+  expect_shape(tensors, path, "column_offset", {tiles, columns + 1});
+  expect_shape(tensors, path, "column_scale", {tiles, columns});
+  const auto index = tensors.tensor<std::uint16_t>("block_index", ElementType::u16);
+  expect_shape(tensors, path, "block_index", {index.size()});
+  expect_shape(tensors, path, "value", {index.size(), 3, kBlockReceivers});
+  transport_ = TransportView(
+      {.tile_count = tiles,
+       .column_count = columns,
+       .tile_first_block = tensors.tensor<std::uint64_t>("tile_first_block", ElementType::u64),
+       .column_offset = tensors.tensor<std::uint32_t>("column_offset", ElementType::u32),
+       .column_scale = tensors.tensor<float>("column_scale", ElementType::f32),
+       .block_index = index,
+       .values = tensors.tensor<Half>("value", ElementType::f16)},
+      path);
+}
+
+void Bake::read_coverage() {
+  const TensorFile& tensors = file(kPixelsFile);
+  const std::string path = (folder_ / kPixelsFile).string();
+  const auto height = static_cast<std::size_t>(manifest_.pixels.height);
+  const auto width = static_cast<std::size_t>(manifest_.pixels.width);
+  expect_shape(tensors, path, "coverage", {height, width});
+  for (const std::uint8_t share : tensors.tensor<std::uint8_t>("coverage", ElementType::u8)) {
+    coverage_.push_back(static_cast<float>(share) / 255);
+  }
+}
+
+void Bake::read_environment(const JsonReader& json) {
+  json.allow_only({"name", "layout", "exposure_scale", "file"});
+  const std::string name = json.member("name").string();
+  for (const BakedEnvironment& other : environments_) {
+    if (other.environment->name() == name) json.member("name").fail("a name of its own");
+  }
+  const std::string file_name = json.member("file").string();
+  const TensorFile& tensors = file(file_name);
+  const std::string path = (folder_ / file_name).string();
+  const auto& shape = tensors.shape("radiance");
+  constexpr auto kMostSide = static_cast<std::size_t>(kLargestImageSide);
+  if (shape.size() != 3 || shape[2] != 3 || shape[0] < 1 || shape[0] > kMostSide || shape[1] < 1 ||
+      shape[1] > kMostSide || shape[0] * shape[1] > kMostImagePixels) {
+    throw Error(path + ": tensor \"radiance\"", "shape " + shape_text(shape),
+                "[height, width, 3] of an image");
+  }
+  RgbImage image(static_cast<int>(shape[1]), static_cast<int>(shape[0]));
+  const auto values = tensors.tensor<float>("radiance", ElementType::f32);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const Vec3f pixel = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+    if (!is_finite(pixel) || !(pixel.x >= 0 && pixel.y >= 0 && pixel.z >= 0)) {
+      throw Error(path + ": pixel " + std::to_string(i),
+                  "a radiance that is negative or not finite", "finite radiance");
+    }
+    image.pixels[i] = pixel;
+  }
+  environments_.push_back(
+      {std::make_shared<Environment>(name, std::move(image), read_layout(json.member("layout"))),
+       json.member("exposure_scale").number(1e-30, 1e30)});
+}
+
+void Bake::verify() const {
+  static_cast<void>(read_manifest_text(folder_));
+  for (const auto& item : files_) item.second.verify();
+}
+
+}  // namespace rimlight

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/transport/tile_transport.h"
+
+namespace rimlight::test {
+
+/// What a random sparse transport looks like.
+struct RandomTransport {
+  std::size_t tile_count = 1;
+  std::size_t column_count = 24;
+  double density = 0.05;       // share of blocks that are not zero
+  double empty_columns = 0.2;  // share of columns without any block in a tile
+  std::uint64_t seed = 1;
+};
+
+/// Made through TileBuilder: values of both signs over six decades. Some columns have no block,
+/// some all.
+std::vector<TileTransport> random_tiles(const RandomTransport& settings);
+Transport random_transport(const RandomTransport& settings);
+
+}  // namespace rimlight::test
