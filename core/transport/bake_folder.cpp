@@ -89,16 +89,13 @@ void Bake::read_transport() {
 }
 
 void Bake::read_coverage() {
-  const TensorFile& tensors = file(kCoverageFile);
-  const std::string path = (folder_ / kCoverageFile).string();
+  const TensorFile& tensors = file(kPixelsFile);
+  const std::string path = (folder_ / kPixelsFile).string();
   const auto height = static_cast<std::size_t>(manifest_.pixels.height);
   const auto width = static_cast<std::size_t>(manifest_.pixels.width);
   expect_shape(tensors, path, "coverage", {height, width});
-  for (const Half share : tensors.tensor<Half>("coverage", ElementType::f16)) {
-    if (share > to_half(1.0f)) {  // negative halves and what is not finite have larger bits
-      throw Error(path + ": coverage", std::to_string(to_float(share)), "a share from 0 to 1");
-    }
-    coverage_.push_back(to_float(share));
+  for (const std::uint8_t share : tensors.tensor<std::uint8_t>("coverage", ElementType::u8)) {
+    coverage_.push_back(static_cast<float>(share) / 255);
   }
 }
 

@@ -26,7 +26,7 @@ inline constexpr int kBakeVersion = 1;
 inline constexpr const char* kManifestFile = "manifest.json";
 inline constexpr const char* kManifestHashFile = "manifest.json.xxh64";
 inline constexpr const char* kTransportFile = "transport.safetensors";
-inline constexpr const char* kCoverageFile = "coverage.safetensors";
+inline constexpr const char* kPixelsFile = "pixels.safetensors";
 
 /// An environment as a bake keeps it: its image, as it was read or made, and the exposure that
 /// shows the bake well in it.
@@ -68,11 +68,11 @@ class BakeWriter {
                                            std::vector<TensorShape> tensors);
   void add_file(const std::string& file, const TensorFileWriter::Summary& summary);
 
-  /// The transport, tile by tile: `tile(t)` is asked several times for each t, in ascending order
-  /// each time, and its answer is used up before the next is asked for.
-  void add_transport(std::size_t tile_count,
-                     const std::function<const TileTransport&(std::size_t)>& tile);
-  /// Share of each pixel that geometry covers, in [0, 1]: [height][width]; kept as halves.
+  /// The transport, tile by tile: `tile(t)` is asked three times for each t, in ascending order
+  /// each time, and its answer is used up before the next is asked for. Blocks written.
+  std::size_t add_transport(std::size_t tile_count,
+                            const std::function<const TileTransport&(std::size_t)>& tile);
+  /// Share of each pixel that geometry covers, in [0, 1]: [height][width]; kept in 8 bits.
   void add_coverage(const PixelLayout& pixels, std::span<const float> coverage);
   /// At least one; names differ. The first is the default.
   void add_environment(const BakedEnvironment& environment);

@@ -117,18 +117,20 @@ void BakeWriter::add_file(const std::string& file, const TensorFileWriter::Summa
   RIMLIGHT_CHECK(files_.emplace(file, summary).second);
 }
 
-void BakeWriter::add_transport(std::size_t tile_count,
-                               const std::function<const TileTransport&(std::size_t)>& tile) {
+std::size_t BakeWriter::add_transport(
+    std::size_t tile_count, const std::function<const TileTransport&(std::size_t)>& tile) {
   RIMLIGHT_CHECK(tile_count > 0);
   std::vector<std::uint64_t> first_block = {0};
-  std::size_t columns = 0;
+  std::vector<std::uint32_t> column_offset;
+  std::vector<float> column_scale;
   for (std::size_t t = 0; t < tile_count; ++t) {
     const TileTransport& next = tile(t);
-    if (t == 0) columns = next.column_count();
-    RIMLIGHT_CHECK_EQ(next.column_count(), columns);
     first_block.push_back(first_block.back() + next.block_count());
+    column_offset.insert(column_offset.end(), next.column_offset.begin(), next.column_offset.end());
+    column_scale.insert(column_scale.end(), next.column_scale.begin(), next.column_scale.end());
+    RIMLIGHT_CHECK_EQ(column_scale.size(), (t + 1) * next.column_count());
   }
-  const std::size_t blocks = first_block.back();
+  const std::size_t columns = column_scale.size() / tile_count, blocks = first_block.back();
   const auto writer =
       create(kTransportFile, {{"tile_first_block", ElementType::u64, {tile_count + 1}},
                               {"column_offset", ElementType::u32, {tile_count, columns + 1}},
@@ -136,28 +138,28 @@ void BakeWriter::add_transport(std::size_t tile_count,
                               {"block_index", ElementType::u16, {blocks}},
                               {"value", ElementType::f16, {blocks, 3, kBlockReceivers}}});
   writer->append(std::span<const std::uint64_t>(first_block));
-  const auto append_of_all_tiles = [&](const auto& array_of) {
-    for (std::size_t t = 0; t < tile_count; ++t) writer->append(std::span(array_of(tile(t))));
-  };
-  append_of_all_tiles([](const TileTransport& t) -> const auto& { return t.column_offset; });
-  append_of_all_tiles([](const TileTransport& t) -> const auto& { return t.column_scale; });
-  append_of_all_tiles([](const TileTransport& t) -> const auto& { return t.block_index; });
-  append_of_all_tiles([](const TileTransport& t) -> const auto& { return t.value; });
+  writer->append(std::span<const std::uint32_t>(column_offset));
+  writer->append(std::span<const float>(column_scale));
+  for (std::size_t t = 0; t < tile_count; ++t) {
+    writer->append(std::span<const std::uint16_t>(tile(t).block_index));
+  }
+  for (std::size_t t = 0; t < tile_count; ++t) writer->append(std::span<const Half>(tile(t).value));
   add_file(kTransportFile, writer->finish());
+  return blocks;
 }
 
 void BakeWriter::add_coverage(const PixelLayout& pixels, std::span<const float> coverage) {
   const auto height = static_cast<std::size_t>(pixels.height);
   const auto width = static_cast<std::size_t>(pixels.width);
   RIMLIGHT_CHECK_EQ(coverage.size(), height * width);
-  std::vector<Half> halves;
+  std::vector<std::uint8_t> bytes;
   for (const float share : coverage) {
     RIMLIGHT_CHECK(share >= 0 && share <= 1);
-    halves.push_back(to_half(share));
+    bytes.push_back(static_cast<std::uint8_t>(std::lround(255 * share)));
   }
-  const auto writer = create(kCoverageFile, {{"coverage", ElementType::f16, {height, width}}});
-  writer->append(std::span<const Half>(halves));
-  add_file(kCoverageFile, writer->finish());
+  const auto writer = create(kPixelsFile, {{"coverage", ElementType::u8, {height, width}}});
+  writer->append(std::span<const std::uint8_t>(bytes));
+  add_file(kPixelsFile, writer->finish());
 }
 
 void BakeWriter::add_environment(const BakedEnvironment& baked) {
@@ -179,7 +181,7 @@ void BakeWriter::add_environment(const BakedEnvironment& baked) {
 }
 
 void BakeWriter::commit(const BakeManifest& manifest) {
-  RIMLIGHT_CHECK(files_.contains(kTransportFile) && files_.contains(kCoverageFile));
+  RIMLIGHT_CHECK(files_.contains(kTransportFile) && files_.contains(kPixelsFile));
   RIMLIGHT_CHECK(!environments_.empty());
   nlohmann::json json = manifest_to_json(manifest);
   json["environments"] = environments_;

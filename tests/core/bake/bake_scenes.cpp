@@ -1,4 +1,4 @@
-#include "bake_scenes.h"
+#include "tests/core/bake/bake_scenes.h"
 
 namespace rimlight {
 
@@ -16,8 +16,8 @@ Mesh box(const Vec3f& low, const Vec3f& high, std::uint32_t material) {
   mesh.name = "box";
   mesh.material = material;
   for (int corner = 0; corner < 8; ++corner) {
-    mesh.positions.push_back({corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
-                              corner & 4 ? high.z : low.z});
+    mesh.positions.push_back(
+        {corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z});
   }
   mesh.triangles = {{0, 1, 3}, {0, 3, 2}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                     {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 3, 7}, {1, 7, 5}};

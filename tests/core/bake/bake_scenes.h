@@ -13,7 +13,8 @@ Mesh box(const Vec3f& low, const Vec3f& high, std::uint32_t material);
 Material lambert(float albedo);
 Material metal(float roughness);
 
-/// One white box that fills most of the picture: convex, so that light reaches it from the sky only.
+/// One white box that fills most of the picture: convex, so that light reaches it from the sky
+/// only.
 std::shared_ptr<Scene> convex_scene(const Material& material);
 
 /// Floor, two walls and a box in the corner, all of one material: light goes from wall to wall.

@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 
-#include "bake_scenes.h"
 #include "core/bake/direct_transport.h"
 #include "core/bake/indirect_transport.h"
 #include "core/transport/receivers.h"
+#include "tests/core/bake/bake_scenes.h"
 
 namespace rimlight {
 namespace {

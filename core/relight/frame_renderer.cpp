@@ -1,0 +1,232 @@
+#include "core/relight/frame_renderer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+#include "core/image/metrics.h"
+#include "core/light/light_rotation.h"
+#include "core/relight/background.h"
+#include "core/relight/display.h"
+#include "core/relight/policy.h"
+#include "core/relight/relighter.h"
+
+namespace rimlight {
+namespace {
+
+/// Texels a side of the environment behind the pixels: finer than any light.
+constexpr int kBackgroundSize = 256;
+constexpr double kUnitTolerance = 1e-3;  // a client's quaternion comes through decimal digits
+
+std::unique_ptr<UpdatePolicy> make_policy(PolicyKind kind) {
+  if (kind == PolicyKind::nwa) return std::make_unique<NwaPolicy>();
+  return std::make_unique<PbiPolicy>();
+}
+
+/// Milliseconds since it was made, or since the last lap.
+class Stopwatch {
+ public:
+  double lap_ms() {
+    const auto now = Clock::now();
+    return std::chrono::duration<double, std::milli>(now - std::exchange(start_, now)).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+/// An environment, ready for frames.
+struct Light {
+  LightRotator rotator;
+  BackgroundMap background;
+
+  Light(const Environment& environment, int cube_size)
+      : rotator(environment.project(cube_size)), background(environment.project(kBackgroundSize)) {}
+};
+
+}  // namespace
+
+struct FrameRenderer::State {
+  std::shared_ptr<const Bake> bake;
+  RelightSettings settings;
+  CubeHaar haar;
+  std::unique_ptr<UpdatePolicy> policy;
+  Relighter relighter;
+  Display display;
+  std::map<std::string, BakedEnvironment> environments;
+  std::map<std::string, Light> lights;  // of the environments shown so far
+  CubeLight texels;                     // of the rotated light; scratch of its transform
+  CubeLight target;
+  PlanWorkspace workspace;
+  UpdatePlan plan;
+
+  State(std::shared_ptr<const Bake> bake_, const RelightSettings& settings_)
+      : bake(std::move(bake_)),
+        settings(settings_),
+        haar(bake->manifest().cube_size),
+        policy(make_policy(settings.policy)),
+        relighter(bake->transport(), haar),
+        display(bake->manifest().pixels, bake->manifest().camera, bake->coverage()),
+        target(haar.size()) {
+    for (const BakedEnvironment& baked : bake->environments()) {
+      environments.emplace(baked.environment->name(), baked);
+    }
+  }
+
+  const PixelLayout& pixels() const { return bake->manifest().pixels; }
+
+  const BakedEnvironment& environment(const std::string& name) const {
+    const auto found = environments.find(name);
+    if (found != environments.end()) return found->second;
+    std::string names;
+    for (const auto& item : environments) names += " " + quote(item.first);
+    throw Error("environment", quote(name), "one of" + names);
+  }
+
+  Light& light(const std::string& name) {
+    const auto found = lights.find(name);
+    if (found != lights.end()) return found->second;
+    return lights.try_emplace(name, *environment(name).environment, haar.size()).first->second;
+  }
+
+  /// The light's coefficients in this rotation.
+  void find_target(LightRotator& rotator, const Quaternion& rotation) {
+    rotator.rotate(rotation, texels);
+    const auto transform = [this](std::size_t c) {
+      const int channel = static_cast<int>(c);
+      haar.forward(texels.channel(channel), target.channel(channel));
+    };
+    parallel_for(3, transform);
+  }
+
+  double residual() const {
+    const double size = weighted_size(haar, target);
+    return size > 0 ? weighted_distance(haar, target, relighter.held()) / size : 0;
+  }
+
+  float exposure_of(const DesignState& state) const {
+    return static_cast<float>(environment(state.environment).exposure_scale *
+                              std::exp2(state.exposure_stops));
+  }
+
+  void show(const DesignState& state, const Quaternion& rotation, Rgb8Image& frame) {
+    display.show(relighter, {light(state.environment).background, rotation}, exposure_of(state),
+                 frame);
+  }
+
+  /// The exact image of a state in the relighter; false when abandoned.
+  bool relight_exactly(const DesignState& state, const Quaternion& rotation, FrameReport& report,
+                       const std::function<bool()>& abandon) {
+    Stopwatch watch;
+    find_target(light(state.environment).rotator, rotation);
+    const double rotate_ms = watch.lap_ms();
+    if (!relighter.apply_exact(target, abandon)) return false;
+    report = {};
+    report.exact = true;
+    report.terms = relighter.last_terms();
+    report.bands_reset = static_cast<std::size_t>(haar.band_count());
+    report.rotate_ms = rotate_ms;
+    report.update_ms = watch.lap_ms();
+    return true;
+  }
+
+  /// Radiance of the pixels that geometry covers, for the exposure of an environment.
+  std::vector<Vec3f> covered_radiance() const {
+    std::vector<Vec3f> result;
+    std::array<float, kTileFloats> radiance;
+    for (std::size_t tile = 0; tile < relighter.tile_count(); ++tile) {
+      relighter.sum_bands(tile, radiance);
+      for (std::size_t i = 0; i < kTileReceivers; ++i) {
+        const auto [x, y] = pixels().pixel(tile * kTileReceivers + i);
+        if (x >= pixels().width || y >= pixels().height) continue;
+        if (!(bake->coverage()[static_cast<std::size_t>(y * pixels().width + x)] > 0)) continue;
+        const float* const lane =
+            radiance.data() + i / kBlockReceivers * kBlockFloats + i % kBlockReceivers;
+        result.emplace_back(lane[0], lane[kBlockReceivers], lane[2 * kBlockReceivers]);
+      }
+    }
+    return result;
+  }
+};
+
+namespace {
+
+/// The state's rotation, exactly unit; throws Error for a state that nothing can show.
+Quaternion checked_rotation(const DesignState& state) {
+  if (!(std::abs(state.exposure_stops) <= FrameRenderer::kMostStops)) {
+    throw Error("exposure_stops", std::to_string(state.exposure_stops),
+                "at most " + std::to_string(FrameRenderer::kMostStops) + " either way");
+  }
+  const double size = norm(state.rotation);
+  if (!(std::abs(size - 1) <= kUnitTolerance)) {
+    throw Error("rotation", "a quaternion of length " + std::to_string(size), "a unit quaternion");
+  }
+  return normalized(state.rotation);
+}
+
+}  // namespace
+
+FrameRenderer::FrameRenderer(std::shared_ptr<const Bake> bake, const RelightSettings& settings)
+    : state_(std::make_unique<State>(std::move(bake), settings)) {}
+
+FrameRenderer::~FrameRenderer() = default;
+
+const Bake& FrameRenderer::bake() const { return *state_->bake; }
+
+void FrameRenderer::add_environment(std::shared_ptr<const Environment> environment) {
+  const std::string name = environment->name();
+  state_->lights.erase(name);
+  state_->environments.insert_or_assign(name, BakedEnvironment{std::move(environment), 1});
+  FrameReport report;
+  RIMLIGHT_CHECK(state_->relight_exactly({name, {}, 0}, {}, report, {}));
+  state_->environments.at(name).exposure_scale = auto_exposure_scale(state_->covered_radiance());
+}
+
+FrameReport FrameRenderer::render_moving(const DesignState& state, Rgb8Image& frame) {
+  const Quaternion rotation = checked_rotation(state);
+  Light& light = state_->light(state.environment);
+  FrameReport report;
+  Stopwatch watch;
+  state_->find_target(light.rotator, rotation);
+  report.rotate_ms = watch.lap_ms();
+  state_->policy->make_plan(
+      {state_->haar, state_->target, state_->relighter.held(), state_->settings.coefficient_budget},
+      state_->workspace, state_->plan);
+  state_->relighter.apply(state_->plan, state_->target);
+  report.update_ms = watch.lap_ms();
+  state_->show(state, rotation, frame);
+  report.display_ms = watch.lap_ms();
+  report.terms = state_->relighter.last_terms();
+  report.bands_reset = static_cast<std::size_t>(
+      std::ranges::count(state_->plan.bands, BandAction::reset, &BandUpdate::action));
+  report.residual = state_->residual();
+  return report;
+}
+
+bool FrameRenderer::render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
+                                 const std::function<bool()>& abandon) {
+  const Quaternion rotation = checked_rotation(state);
+  if (!state_->relight_exactly(state, rotation, report, abandon)) return false;
+  Stopwatch watch;
+  state_->show(state, rotation, frame);
+  report.display_ms = watch.lap_ms();
+  return true;
+}
+
+void FrameRenderer::render_radiance(const DesignState& state, RgbImage& image,
+                                    FrameReport& report) {
+  const Quaternion rotation = checked_rotation(state);
+  RIMLIGHT_CHECK(state_->relight_exactly(state, rotation, report, {}));
+  Stopwatch watch;
+  state_->display.show(state_->relighter, {state_->light(state.environment).background, rotation},
+                       image);
+  report.display_ms = watch.lap_ms();
+}
+
+}  // namespace rimlight

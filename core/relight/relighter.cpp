@@ -1,0 +1,118 @@
+#include "core/relight/relighter.h"
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+
+#include "core/base/check.h"
+#include "core/base/parallel.h"
+
+namespace rimlight {
+Relighter::Relighter(const TransportView& transport, const CubeHaar& basis)
+    : transport_(transport), basis_(basis), held_(basis.size()) {
+  RIMLIGHT_CHECK_EQ(transport.column_count(), basis.coefficient_count());
+  const auto bands = static_cast<std::size_t>(basis.band_count());
+  for (std::size_t b = 0; b < bands; ++b) {
+    images_.emplace_back(transport.tile_count());
+    fresh_.emplace_back(transport.tile_count());
+  }
+  zero_.assign(bands, true);
+}
+
+void Relighter::update_tile(const UpdatePlan& plan, std::size_t tile,
+                            std::vector<Radiance>& images) const {
+  for (std::size_t b = 0; b < plan.bands.size(); ++b) {
+    const BandUpdate& update = plan.bands[b];
+    if (update.count == 0) continue;  // a reset without columns is told by zero_ alone
+    float* const radiance = images[b].tile(tile);
+    if (starts_from_zero(update, b)) std::fill_n(radiance, kTileFloats, 0.0f);
+    add_columns(transport_, tile, std::span(plan.columns).subspan(update.first, update.count),
+                radiance);
+  }
+}
+
+bool Relighter::starts_from_zero(const BandUpdate& update, std::size_t band) const {
+  return update.action == BandAction::reset || zero_[band];
+}
+
+void Relighter::move_held(const UpdatePlan& plan, const CubeLight& target) {
+  for (std::size_t b = 0; b < plan.bands.size(); ++b) {
+    const BandUpdate& update = plan.bands[b];
+    if (update.action == BandAction::reset) {
+      const std::size_t begin = basis_.band_begin(static_cast<int>(b));
+      const std::size_t end = basis_.band_begin(static_cast<int>(b) + 1);
+      for (int c = 0; c < 3; ++c)
+        std::ranges::fill(held_.channel(c).subspan(begin, end - begin), 0);
+      zero_[b] = true;
+    }
+    if (update.count > 0) zero_[b] = false;
+  }
+  last_terms_ = plan.columns.size();
+  // The target itself, not held + delta, which may round beside it.
+  for (const ColumnDelta& column : plan.columns) {
+    for (int c = 0; c < 3; ++c) held_.channel(c)[column.column] = target.channel(c)[column.column];
+  }
+}
+
+void Relighter::apply(const UpdatePlan& plan, const CubeLight& target) {
+  RIMLIGHT_CHECK_EQ(plan.bands.size(), images_.size());
+  RIMLIGHT_CHECK_EQ(target.count(), held_.count());
+  RIMLIGHT_CHECK(plan.columns.empty() || plan.columns.back().column < transport_.column_count());
+  if (!plan.columns.empty()) {
+    const auto update = [&](std::size_t tile) { update_tile(plan, tile, images_); };
+    parallel_for(tile_count(), std::cref(update));
+  }
+  move_held(plan, target);
+}
+
+void Relighter::plan_exact(const CubeLight& target) {
+  exact_plan_.bands.assign(images_.size(), {});
+  exact_plan_.columns.clear();
+  for (std::size_t b = 0; b < images_.size(); ++b) {
+    BandUpdate& update = exact_plan_.bands[b];
+    update = {BandAction::reset, exact_plan_.columns.size(), 0};
+    for (auto i = basis_.band_begin(static_cast<int>(b));
+         i < basis_.band_begin(static_cast<int>(b) + 1); ++i) {
+      const Vec3f value = target.at(i);
+      if (value == Vec3f{}) continue;
+      exact_plan_.columns.push_back({static_cast<std::uint32_t>(i), value});
+    }
+    update.count = exact_plan_.columns.size() - update.first;
+  }
+}
+
+bool Relighter::apply_exact(const CubeLight& target, const std::function<bool()>& abandon) {
+  RIMLIGHT_CHECK_EQ(target.count(), held_.count());
+  plan_exact(target);
+  std::atomic<bool> abandoned = false;
+  const auto update = [&](std::size_t tile) {
+    if (abandoned.load(std::memory_order_relaxed)) return;
+    if (abandon && abandon()) {
+      abandoned.store(true, std::memory_order_relaxed);
+    } else {
+      update_tile(exact_plan_, tile, fresh_);
+    }
+  };
+  parallel_for(tile_count(), std::cref(update));
+  if (abandoned) return false;
+  images_.swap(fresh_);
+  move_held(exact_plan_, target);
+  return true;
+}
+
+void Relighter::sum_bands(std::size_t tile, std::span<float, kTileFloats> radiance) const {
+  bool first = true;
+  for (std::size_t b = 0; b < images_.size(); ++b) {
+    if (zero_[b]) continue;
+    const float* const band = images_[b].tile(tile);
+    if (first) {
+      std::copy_n(band, kTileFloats, radiance.data());
+    } else {
+      for (std::size_t i = 0; i < kTileFloats; ++i) radiance[i] += band[i];
+    }
+    first = false;
+  }
+  if (first) std::ranges::fill(radiance, 0.0f);
+}
+
+}  // namespace rimlight

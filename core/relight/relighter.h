@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/basis/cube_haar.h"
+#include "core/light/cube_light.h"
+#include "core/relight/update_plan.h"
+#include "core/transport/receivers.h"
+#include "core/transport/transport.h"
+
+namespace rimlight {
+
+/// Holds an image as one radiance image B_i for each band of the light, and the light that they
+/// show; B = Σ B_i in band order (Overbeck 2006, figure 6.1, line 20).
+///
+/// The same calls give the same bits at any thread count: a tile is one thread's, columns are added
+/// in the plan's order. exact() gives bits that depend on the target alone.
+/// Allocates nothing after the first frames. One thread at a time; computes on all cores. The
+/// transport must outlive it.
+class Relighter {
+ public:
+  /// A black image under a black light. Memory: 2 · bands · tiles · 48 KiB.
+  Relighter(const TransportView& transport, const CubeHaar& basis);
+
+  /// The light that the image shows, L̃: coefficients.
+  const CubeLight& held() const { return held_; }
+
+  /// Applies a plan made for `target` and held(): resets bands, adds columns, moves held().
+  void apply(const UpdatePlan& plan, const CubeLight& target);
+
+  /// The exact image: one fresh product with every column whose target is not zero, in ascending
+  /// order, band by band; then held() is the target. `abandon` (may be empty) is asked before each
+  /// tile, from several threads at once; when it answers true, nothing has changed and false comes
+  /// back.
+  [[nodiscard]] bool apply_exact(const CubeLight& target, const std::function<bool()>& abandon);
+
+  /// Columns that the last apply() or apply_exact() added.
+  std::size_t last_terms() const { return last_terms_; }
+
+  std::size_t tile_count() const { return transport_.tile_count(); }
+  /// One tile of B = Σ B_i: radiance [block][3][8]. Any thread.
+  void sum_bands(std::size_t tile, std::span<float, kTileFloats> radiance) const;
+  /// Whether a band's image is zero everywhere, because nothing was added since its reset.
+  bool is_zero(int band) const { return zero_[static_cast<std::size_t>(band)]; }
+
+ private:
+  bool starts_from_zero(const BandUpdate& update, std::size_t band) const;
+  /// Zeroes reset bands of `images` in one tile and adds the columns.
+  void update_tile(const UpdatePlan& plan, std::size_t tile, std::vector<Radiance>& images) const;
+  void move_held(const UpdatePlan& plan, const CubeLight& target);
+  void plan_exact(const CubeLight& target);
+
+  TransportView transport_;
+  CubeHaar basis_;
+  CubeLight held_;
+  std::vector<Radiance> images_;  // [band]
+  std::vector<bool> zero_;        // [band]: the image counts as zero, whatever it holds
+  std::vector<Radiance> fresh_;   // where the exact product grows until it is whole
+  UpdatePlan exact_plan_;
+  std::size_t last_terms_ = 0;
+};
+
+}  // namespace rimlight
