@@ -106,6 +106,10 @@ std::vector<std::pair<std::string, JsonReader>> JsonReader::members() const {
 }
 
 void JsonReader::allow_only(std::initializer_list<std::string_view> known) const {
+  allow_only(std::vector<std::string_view>(known));
+}
+
+void JsonReader::allow_only(const std::vector<std::string_view>& known) const {
   if (!value_->is_object()) fail("an object");
   for (const auto& [name, member] : value_->items()) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;

@@ -39,6 +39,7 @@ class JsonReader {
   std::vector<std::pair<std::string, JsonReader>> members() const;
   /// Fails on the first member that is not in `known`: a misspelt field is never ignored.
   void allow_only(std::initializer_list<std::string_view> known) const;
+  void allow_only(const std::vector<std::string_view>& known) const;
 
   /// Elements of an array with `least` to `most` elements.
   std::vector<JsonReader> elements(std::size_t least = 0, std::size_t most = SIZE_MAX) const;

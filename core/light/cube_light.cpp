@@ -3,9 +3,14 @@
 namespace rimlight {
 
 Vec3d integral(const CubeLight& light) {
+  const std::size_t face_texels = light.count() / cube::kFaces;
   Vec3d sum;
-  for (std::size_t texel = 0; texel < light.count(); ++texel) {
-    sum += Vec3d(light.at(texel)) * cube::texel_solid_angle(texel, light.size);
+  for (std::size_t i = 0; i < face_texels; ++i) {
+    Vec3d radiance;  // of the six texels of this solid angle
+    for (std::size_t face = 0; face < cube::kFaces; ++face) {
+      radiance += Vec3d(light.at(face * face_texels + i));
+    }
+    sum += radiance * cube::texel_solid_angle(i, light.size);
   }
   return sum;
 }

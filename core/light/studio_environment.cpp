@@ -29,11 +29,18 @@ RoomLight soft_box(const Vec3d& centre, double half_width, double half_height,
   return light;
 }
 
+double smooth_step(double t) {
+  t = std::clamp(t, 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
 Vec3d grey(const WallPoint& point) {
   const double grain = smooth_noise(0.8 * point.s, 0.8 * point.t, 21);
-  // Paper sweeps down from the wall behind and over the floor; the rest is painted dark.
-  const bool sweep = point.position.z < -4.9 || (point.normal.y > 0 && std::abs(point.s) < 2.8);
-  return Vec3d{0.98, 1.0, 1.02} * ((sweep ? 0.32 : 0.11) * (0.93 + 0.14 * grain));
+  // A grey paper sweep hangs behind and runs out over the floor; the rest is painted nearly black.
+  double paper = 0;
+  if (point.position.z < -4.9) paper = 1;
+  if (point.normal.y > 0) paper = smooth_step((2.8 - std::abs(point.s)) / 0.5);
+  return Vec3d{0.98, 1.0, 1.02} * (std::lerp(0.03, 0.10, paper) * (0.93 + 0.14 * grain));
 }
 
 }  // namespace
@@ -42,7 +49,7 @@ RgbImage studio_image() {
   LitRoom room;
   room.low = {-5.5, -1.3, -5};
   room.high = {5.5, 3.8, 6};
-  room.ambient = Vec3d::filled(0.12);
+  room.ambient = Vec3d::filled(0.5);
   room.albedo = grey;
   room.lights = {
       soft_box({2.9, 2.2, -1.0}, 1.0, 0.75, {32, 28.5, 24}),   // key
@@ -52,7 +59,7 @@ RgbImage studio_image() {
       soft_box({-0.2, 3.3, -0.5}, 1.5, 0.22, {14, 13.6, 13}),  // overhead
       soft_box({0.8, 1.4, 5.0}, 0.7, 0.5, {6, 5.2, 4.4}),      // behind the camera
   };
-  return render_lat_long(3, [&](const Vec3d& direction) { return room.radiance(direction); });
+  return render_lat_long(2, [&](const Vec3d& direction) { return room.radiance(direction); });
 }
 
 }  // namespace rimlight

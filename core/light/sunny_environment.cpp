@@ -15,8 +15,8 @@ constexpr double kTurbidity = 2.6;
 constexpr double kSunElevation = 40 * kPi / 180;
 constexpr double kSunAzimuth = 62 * kPi / 180;  // to the right of −z
 constexpr double kSunRadius = 0.2665 * kPi / 180;
-/// In the model's kcd/m²: 1.6e6 above the air, of which 0.7 come down through it at 40°.
-constexpr double kSunLuminance = 1.1e6;
+/// In the model's kcd/m²: 1.9e6 above the air, of which three quarters come down through it at 40°.
+constexpr double kSunLuminance = 1.4e6;
 constexpr double kUnit = 10;  // kcd/m²
 const Vec3d kSunColour{1.04, 0.99, 0.86};
 
@@ -120,21 +120,19 @@ class Landscape {
   Landscape() : irradiance_(ground_irradiance(sky_)) {}
 
   Vec3d radiance(const Vec3d& direction) const {
+    if (direction.y > kHighestRidge) return sky_.radiance(direction) / kUnit;
     const double elevation = std::asin(std::clamp(direction.y, -1.0, 1.0));
     const double azimuth = std::atan2(direction.x, -direction.z);
     const Vec3d horizon = sky_.radiance({direction.x, 0.03, direction.z});
     if (elevation < 0) return ground(direction, elevation, horizon) / kUnit;
-    if (elevation < ridge(azimuth, 0.045, 3)) {
-      return blended(kForest * irradiance_ / kPi, horizon, 0.45) / kUnit;
-    }
-    if (elevation < ridge(azimuth + 2, 0.085, 4)) {
-      return blended(kForest * irradiance_ / kPi, horizon, 0.75) / kUnit;
-    }
+    const Vec3d forest = Vec3d{0.05, 0.07, 0.035} * irradiance_ / kPi;
+    if (elevation < ridge(azimuth, 0.045, 3)) return blended(forest, horizon, 0.45) / kUnit;
+    if (elevation < ridge(azimuth + 2, 0.085, 4)) return blended(forest, horizon, 0.75) / kUnit;
     return sky_.radiance(direction) / kUnit;
   }
 
  private:
-  static constexpr Vec3d kForest{0.05, 0.07, 0.035};
+  static constexpr double kHighestRidge = 0.13;  // in radians, and so in y
 
   static Vec3d blended(const Vec3d& a, const Vec3d& b, double share) {
     return a * (1 - share) + b * share;
@@ -145,7 +143,7 @@ class Landscape {
     const double x = direction.x * distance, z = direction.z * distance;
     const double patches = smooth_noise(0.35 * x, 0.35 * z, 7);
     const double grain = smooth_noise(3 * x, 3 * z, 8);
-    const Vec3d albedo = blended({0.24, 0.20, 0.14}, {0.13, 0.16, 0.07}, patches) *
+    const Vec3d albedo = blended({0.25, 0.20, 0.13}, {0.14, 0.15, 0.07}, patches) *
                          (0.85 + 0.3 * grain * std::min(1.0, 8 / distance));
     return blended(albedo * irradiance_ / kPi, horizon, 0.6 * std::exp(elevation / 0.06));
   }

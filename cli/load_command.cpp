@@ -1,0 +1,116 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "cli/command.h"
+#include "cli/load_client.h"
+#include "cli/load_report.h"
+#include "server/session/baked_scene.h"
+
+namespace rimlight {
+namespace {
+
+struct LoadOptions {
+  std::string url = "ws://127.0.0.1:8080";
+  std::string scene;
+  std::string bake;
+  std::string script;
+  int clients = 1;
+  double seconds = 5;
+  bool shared_session = false;
+  bool json = false;
+};
+
+/// The script of one client. Clients of a shared session play it together, taking turns, so that
+/// the session sees it once.
+LoadScript part_of(const LoadScript& script, const LoadOptions& options, std::size_t client) {
+  if (!options.shared_session) return script;
+  LoadScript part;
+  for (std::size_t i = client; i < script.edits.size();
+       i += static_cast<std::size_t>(options.clients)) {
+    part.edits.push_back(script.edits[i]);
+  }
+  return part;
+}
+
+/// Each run uses sessions of its own: a session that was edited before would start elsewhere.
+std::string session_name(const std::string& run, const LoadOptions& options, std::size_t client) {
+  return options.shared_session ? run : run + "-" + std::to_string(client);
+}
+
+std::vector<LoadRecord> play_all(const LoadOptions& options) {
+  const LoadScript script = options.script.empty() ? default_script(options.seconds)
+                                                   : read_script(options.script, options.seconds);
+  const std::string run = "load-" + std::to_string(std::random_device{}());
+  const auto count = static_cast<std::size_t>(options.clients);
+  const auto start = std::chrono::steady_clock::now() + std::chrono::milliseconds(300);
+  std::vector<LoadRecord> records(count);
+  std::vector<std::exception_ptr> failures(count);
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < count; ++i) {
+      threads.emplace_back([&, i] {
+        try {
+          const LoadClientSettings settings{parse_stream_url(options.url),
+                                            session_name(run, options, i),
+                                            options.scene,
+                                            start,
+                                            options.seconds,
+                                            10};
+          records[i] = play(settings, part_of(script, options, i));
+        } catch (...) {
+          failures[i] = std::current_exception();
+        }
+      });
+    }
+  }
+  for (const std::exception_ptr& failure : failures) {
+    if (failure) std::rethrow_exception(failure);
+  }
+  return records;
+}
+
+int load(LoadOptions options) {
+  if (!options.bake.empty() && options.scene.empty()) {
+    options.scene = server::scene_name(options.bake);
+  }
+  const std::vector<LoadRecord> records = play_all(options);
+  LoadReport report =
+      summarize(records, options.script.empty() ? ScriptKind::every_edit_changes : ScriptKind::any);
+  report.checks.push_back(compare_with_bake(records, options.bake));
+  const std::string text = options.json ? report.to_json().dump() + "\n" : report.to_text();
+  std::fputs(text.c_str(), stdout);
+  return report.passed() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_load_command(CLI::App& app, Action& chosen) {
+  const auto options = std::make_shared<LoadOptions>();
+  CLI::App* const command = app.add_subcommand(
+      "load", "Play scripted clients against a server, measure, and check what they get");
+  command->add_option("--url", options->url, "The server")->capture_default_str();
+  command->add_option("--clients", options->clients, "How many")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--seconds", options->seconds, "How long the script plays")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  command->add_flag("--shared-session", options->shared_session,
+                    "All clients open one session and play the script together");
+  command->add_option("--scene", options->scene, "The scene to open [the server's default]");
+  command->add_option("--bake", options->bake,
+                      "The bake that is served: the last frame must equal its render");
+  command->add_option("--script", options->script,
+                      "A JSON file of timed edits [a turn about y, ever faster]");
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->callback([options, &chosen] { chosen = [options] { return load(*options); }; });
+}
+
+}  // namespace rimlight

@@ -1,0 +1,91 @@
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "cli/command.h"
+#include "cli/serve_config.h"
+#include "core/transport/bake_folder.h"
+#include "server/schedule/render_queue.h"
+#include "server/session/baked_scene.h"
+
+namespace rimlight {
+namespace {
+
+struct ServeOptions {
+  std::vector<std::string> bakes;
+  std::string config;
+  std::string web;
+  std::optional<std::string> host;
+  std::optional<std::uint16_t> port;
+  std::optional<std::size_t> coefficients;
+  bool json = false;
+};
+
+/// The configuration file, if there is one, overruled by the options.
+ServeConfig merge(const ServeOptions& options) {
+  ServeConfig config = options.config.empty() ? ServeConfig{} : read_serve_config(options.config);
+  if (!options.bakes.empty()) config.bakes.assign(options.bakes.begin(), options.bakes.end());
+  if (!options.web.empty()) config.web = options.web;
+  if (options.host) config.network.host = *options.host;
+  if (options.port) config.network.port = *options.port;
+  if (options.coefficients) config.relight.coefficient_budget = *options.coefficients;
+  if (config.web.empty()) config.web = find_web_folder();
+  return config;
+}
+
+server::SceneCatalog open_scenes(const ServeConfig& config) {
+  std::vector<server::ServedScene> scenes;
+  for (const std::filesystem::path& folder : config.bakes) {
+    scenes.push_back(server::serve_bake(std::make_shared<const Bake>(folder), config.relight));
+    spdlog::info("opened {}: {}x{}, {} environments", folder.string(), scenes.back().width,
+                 scenes.back().height, scenes.back().environments.size());
+  }
+  return server::SceneCatalog(std::move(scenes));
+}
+
+int serve(const ServeOptions& options) {
+  const ServeConfig config = merge(options);
+  const server::StaticFiles files(config.web);
+  const server::SceneCatalog scenes = open_scenes(config);
+  server::RenderQueue queue;
+  server::SessionRegistry sessions(scenes, queue, config.sessions);
+  server::HttpServer http(config.network, files, sessions);
+  std::jthread compute([&queue](const std::stop_token& stop) { queue.run(stop); });
+
+  spdlog::info("serving {}/", http.address());
+  if (options.json) {
+    std::printf("%s\n", nlohmann::json{{"address", http.address() + "/"}}.dump().c_str());
+    std::fflush(stdout);
+  }
+  http.run(server::HttpServer::Signals::watch);
+  sessions.close_all();
+  spdlog::info("stopped");
+  return 0;
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app, Action& chosen) {
+  const auto options = std::make_shared<ServeOptions>();
+  CLI::App* const command =
+      app.add_subcommand("serve", "Serve bakes to browsers: the page, sessions, relit frames");
+  command->add_option("bakes", options->bakes, "The bakes to serve; the first is the default");
+  command->add_option("--config", options->config, "A JSON file of settings; options overrule it");
+  command->add_option("--host", options->host, "The loopback address to listen on [127.0.0.1]");
+  command->add_option("--port", options->port, "The port; 0 takes a free one [8080]");
+  command->add_option("--web", options->web, "The page's folder [found near the program]");
+  command
+      ->add_option("--coefficients,--session-budget", options->coefficients,
+                   "Columns that a frame in motion may apply [30]")
+      ->check(CLI::Range(1, 1 << 20));
+  command->add_flag("--json", options->json, "Print {\"address\": …} when ready");
+  command->callback([options, &chosen] { chosen = [options] { return serve(*options); }; });
+}
+
+}  // namespace rimlight

@@ -1,0 +1,89 @@
+#include "cli/serve_config.h"
+
+#include <system_error>
+
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "core/base/json_reader.h"
+
+namespace rimlight {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestConfig = 1 << 20;
+constexpr std::int64_t kMostCoefficients = 1 << 20;
+constexpr std::int64_t kLongestSeconds = 86400;
+
+/// Sets `value` from an optional whole-number member.
+template <typename T>
+void read_whole(const JsonReader& reader, const char* name, std::int64_t low, std::int64_t high,
+                T& value) {
+  if (const auto member = reader.optional_member(name)) {
+    value = static_cast<T>(member->integer(low, high));
+  }
+}
+
+template <typename Duration>
+void read_duration(const JsonReader& reader, const char* name, std::int64_t high, Duration& value) {
+  if (const auto member = reader.optional_member(name)) {
+    value = Duration(member->integer(0, high));
+  }
+}
+
+void read_network(const JsonReader& reader, server::NetworkSettings& network) {
+  if (const auto host = reader.optional_member("host")) network.host = host->string();
+  read_whole(reader, "port", 0, 65535, network.port);
+  read_whole(reader, "network_threads", 1, 64, network.threads);
+  read_whole(reader, "most_connections", 1, 100000, network.most_connections);
+  read_duration(reader, "idle_timeout_seconds", kLongestSeconds, network.idle_timeout);
+}
+
+void read_sessions(const JsonReader& reader, ServeConfig& config) {
+  read_whole(reader, "most_sessions", 1, 100000, config.sessions.most_sessions);
+  read_duration(reader, "session_idle_seconds", kLongestSeconds, config.sessions.idle);
+  read_duration(reader, "quiet_ms", 60000, config.sessions.session.quiet);
+  read_whole(reader, "jpeg_quality", 1, 100, config.sessions.session.jpeg_quality);
+  read_whole(reader, "coefficients", 1, kMostCoefficients, config.relight.coefficient_budget);
+  if (const auto policy = reader.optional_member("policy")) {
+    config.relight.policy = policy->one_of({"nwa", "pbi"}) == 0 ? PolicyKind::nwa : PolicyKind::pbi;
+  }
+}
+
+}  // namespace
+
+ServeConfig read_serve_config(const fs::path& file) {
+  const nlohmann::json document = parse_json(read_file(file, kLargestConfig), file.string());
+  const JsonReader reader(document, file.string());
+  reader.allow_only({"bakes", "web", "host", "port", "network_threads", "most_connections",
+                     "idle_timeout_seconds", "most_sessions", "session_idle_seconds", "quiet_ms",
+                     "jpeg_quality", "coefficients", "policy"});
+  ServeConfig config;
+  if (const auto bakes = reader.optional_member("bakes")) {
+    for (const JsonReader& bake : bakes->elements(1, 1000)) {
+      config.bakes.push_back(file.parent_path() / bake.string());
+    }
+  }
+  if (const auto web = reader.optional_member("web")) {
+    config.web = file.parent_path() / web->string();
+  }
+  read_network(reader, config.network);
+  read_sessions(reader, config);
+  return config;
+}
+
+fs::path find_web_folder() {
+  constexpr int kLevels = 4;  // beside the program, and up to three folders above
+  std::error_code failure;
+  const fs::path program = fs::read_symlink("/proc/self/exe", failure);
+  fs::path folder = program.parent_path();
+  for (int level = 0; level < kLevels && !failure; ++level, folder = folder.parent_path()) {
+    for (const char* const place : {"web", "share/rimlight/web"}) {
+      std::error_code ignored;
+      if (fs::is_regular_file(folder / place / "index.html", ignored)) return folder / place;
+    }
+  }
+  throw Error(program.string(), "no folder web/ near it", "the page's folder: give it with --web");
+}
+
+}  // namespace rimlight

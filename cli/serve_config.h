@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/relight/frame_renderer.h"
+#include "server/network/http_server.h"
+#include "server/session/session_registry.h"
+
+namespace rimlight {
+
+/// What `rimlight serve` can be told, by a file (docs/protocol/configuration.md) or by options.
+struct ServeConfig {
+  std::vector<std::filesystem::path> bakes;  // the first is the default scene
+  std::filesystem::path web;                 // empty: beside the program
+  RelightSettings relight;
+  server::NetworkSettings network;
+  server::RegistrySettings sessions;
+};
+
+/// Reads a configuration file; relative paths in it are relative to its folder. Throws Error naming
+/// file and field.
+ServeConfig read_serve_config(const std::filesystem::path& file);
+
+/// The page's folder of a build tree or an installation, found from the program's own place:
+/// web/ beside it or up to three folders above, or share/rimlight/web. Throws Error when there is
+/// none.
+std::filesystem::path find_web_folder();
+
+}  // namespace rimlight

@@ -1,0 +1,106 @@
+#include "core/scene/material_source.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/image/image_file.h"
+
+namespace rimlight {
+namespace {
+
+constexpr double kLargestCoordinate = 1e6;
+
+/// Sets `value` from an optional field.
+void read_optional(const JsonReader& json, std::string_view name, double low, double high,
+                   Vec3f& value) {
+  if (const auto field = json.optional_member(name)) value = read_channels(*field, low, high);
+}
+
+void read_optional(const JsonReader& json, std::string_view name, double low, double high,
+                   float& value) {
+  if (const auto field = json.optional_member(name)) {
+    value = static_cast<float>(field->number(low, high));
+  }
+}
+
+Brdf read_lambert(const JsonReader& json) {
+  json.allow_only({"model", "albedo", "texture"});
+  Brdf brdf;
+  read_optional(json, "albedo", 0, 1, brdf.albedo);
+  return brdf;
+}
+
+Brdf read_phong(const JsonReader& json) {
+  json.allow_only({"model", "albedo", "texture", "specular", "exponent"});
+  Brdf brdf{.model = BrdfModel::phong, .specular = {0.05f, 0.05f, 0.05f}};
+  read_optional(json, "albedo", 0, 1, brdf.albedo);
+  read_optional(json, "specular", 0, 1, brdf.specular);
+  read_optional(json, "exponent", 1, 1e5, brdf.exponent);
+  for (int c = 0; c < 3; ++c) {
+    // 0.7 + 0.3 is a hair above 1 in floats.
+    if (brdf.albedo[c] + brdf.specular[c] <= 1 + 1e-6f) continue;
+    throw Error(json.where(),
+                "albedo + specular of " + std::to_string(brdf.albedo[c] + brdf.specular[c]),
+                "at most 1 in each channel");
+  }
+  return brdf;
+}
+
+Brdf read_cook_torrance(const JsonReader& json) {
+  json.allow_only({"model", "albedo", "texture", "specular", "roughness", "eta", "k"});
+  Brdf brdf{.model = BrdfModel::cook_torrance, .albedo = {}, .specular = {1, 1, 1}};
+  read_optional(json, "albedo", 0, 1, brdf.albedo);
+  read_optional(json, "specular", 0, 1, brdf.specular);
+  read_optional(json, "roughness", 0.01, 1, brdf.roughness);
+  read_optional(json, "eta", 0.05, 20, brdf.eta);
+  read_optional(json, "k", 0, 20, brdf.k);
+  for (int c = 0; c < 3; ++c) {
+    // evaluate() would leave it out in silence.
+    if (brdf.albedo[c] == 0 || (brdf.k[c] == 0 && brdf.eta[c] >= 1)) continue;
+    throw Error(json.member("albedo").where(), "an albedo on a metal",
+                "0 where k > 0 or eta < 1: only a dielectric has diffuse light below its gloss");
+  }
+  return brdf;
+}
+
+}  // namespace
+
+Vec3d read_point(const JsonReader& json) {
+  const std::vector<double> xyz = json.numbers(3, -kLargestCoordinate, kLargestCoordinate);
+  return {xyz[0], xyz[1], xyz[2]};
+}
+
+Vec3f read_channels(const JsonReader& json, double low, double high) {
+  if (!json.is_array()) return Vec3f::filled(static_cast<float>(json.number(low, high)));
+  const std::vector<double> rgb = json.numbers(3, low, high);
+  return Vec3f(Vec3d(rgb[0], rgb[1], rgb[2]));
+}
+
+Material read_material(const JsonReader& json, const std::string& name,
+                       const std::filesystem::path& folder) {
+  Material material;
+  material.name = name;
+  switch (json.member("model").one_of({"lambert", "phong", "cook_torrance"})) {
+    case 0:
+      material.brdf = read_lambert(json);
+      break;
+    case 1:
+      material.brdf = read_phong(json);
+      break;
+    default:
+      material.brdf = read_cook_torrance(json);
+  }
+  if (const auto texture = json.optional_member("texture")) {
+    try {
+      material.albedo_texture =
+          std::make_shared<const RgbImage>(read_srgb_picture(folder / texture->string()));
+    } catch (const Error& error) {
+      throw Error(texture->where() + ": " + error.where(), error.found(), error.expected());
+    }
+  }
+  return material;
+}
+
+}  // namespace rimlight

@@ -1,0 +1,201 @@
+#include "core/scene/scene_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "core/base/json_reader.h"
+#include "core/scene/default_scene.h"
+#include "core/scene/material_source.h"
+#include "core/scene/object_source.h"
+
+namespace rimlight {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestSource = std::size_t{16} << 20;
+constexpr std::size_t kMostObjects = 10'000;
+constexpr std::size_t kMostMaterials = 10'000;
+constexpr std::size_t kMostEnvironments = 64;
+constexpr std::size_t kLongestName = 200;
+
+std::string read_name(const JsonReader& json) {
+  const std::string name = json.string();
+  if (name.empty() || name.size() > kLongestName) {
+    json.fail("a name of 1 to " + std::to_string(kLongestName) + " bytes");
+  }
+  return name;
+}
+
+Camera read_camera(const JsonReader& json) {
+  json.allow_only({"position", "target", "up", "field_of_view"});
+  Camera camera;
+  camera.position = read_point(json.member("position"));
+  camera.target = read_point(json.member("target"));
+  if (const auto up = json.optional_member("up")) camera.up = read_point(*up);
+  if (const auto angle = json.optional_member("field_of_view")) {
+    camera.vertical_field_of_view_degrees = angle->number(1, 170);
+  }
+  const Vec3d way = camera.target - camera.position;
+  if (!(length(way) > 1e-9)) json.member("target").fail("a point other than the position");
+  const double up_length = length(camera.up);
+  if (!(up_length > 1e-9) || !(length(cross(way, camera.up)) > 1e-6 * length(way) * up_length)) {
+    throw Error(json.where() + "/up", "no direction across the view",
+                "a direction that is not along the view");
+  }
+  return camera;
+}
+
+EnvironmentLayout read_layout(const JsonReader& json) {
+  constexpr EnvironmentLayout kLayouts[] = {
+      EnvironmentLayout::automatic, EnvironmentLayout::lat_long, EnvironmentLayout::angular_map,
+      EnvironmentLayout::cube};
+  return kLayouts[json.one_of({"automatic", "lat_long", "angular_map", "cube"})];
+}
+
+Environment read_environment(const JsonReader& json, const fs::path& folder) {
+  if (json.is_string()) {
+    const auto& names = builtin_environment_names();
+    return builtin_environment(names[json.one_of(names)]);
+  }
+  json.allow_only({"file", "layout", "name"});
+  const JsonReader file = json.member("file");
+  const auto layout = json.optional_member("layout");
+  const auto name = json.optional_member("name");
+  const EnvironmentLayout chosen = layout ? read_layout(*layout) : EnvironmentLayout::automatic;
+  const std::string new_name = name ? read_name(*name) : "";
+  try {
+    Environment environment = load_environment(folder / file.string(), chosen);
+    if (!name) return environment;
+    return Environment(new_name, environment.image(), environment.layout());
+  } catch (const Error& error) {
+    throw Error(file.where() + ": " + error.where(), error.found(), error.expected());
+  }
+}
+
+std::vector<Environment> read_environments(const JsonReader& json, const fs::path& folder) {
+  std::vector<Environment> environments;
+  for (const JsonReader& element : json.elements(1, kMostEnvironments)) {
+    Environment environment = read_environment(element, folder);
+    for (const Environment& other : environments) {
+      if (other.name() != environment.name()) continue;
+      throw Error(element.where(), "the name " + quote(environment.name()) + " twice",
+                  "a name of its own for each environment");
+    }
+    environments.push_back(std::move(environment));
+  }
+  return environments;
+}
+
+BakeSettings read_bake(const JsonReader& json) {
+  json.allow_only({"width", "height", "cube_size", "primary_rays", "bounces", "psnr_db", "seed"});
+  BakeSettings bake;
+  const auto read = [&json](std::string_view name, int low, int high, int& value) {
+    const auto field = json.optional_member(name);
+    if (field) value = static_cast<int>(field->integer(low, high));
+  };
+  read("width", 1, 8192, bake.width);
+  read("height", 1, 8192, bake.height);
+  read("cube_size", 4, 128, bake.cube_size);
+  read("primary_rays", 1, 256, bake.primary_rays);
+  read("bounces", 0, 64, bake.bounces);
+  if ((bake.cube_size & (bake.cube_size - 1)) != 0) {
+    json.member("cube_size").fail("4, 8, 16, 32, 64 or 128");
+  }
+  if (const auto psnr = json.optional_member("psnr_db")) bake.psnr_db = psnr->number(20, 90);
+  if (const auto seed = json.optional_member("seed")) {
+    // Above 2^53 JSON numbers are not exact everywhere.
+    bake.seed = static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53));
+  }
+  return bake;
+}
+
+/// What a builtin brings along stands in where the source says nothing.
+struct Defaults {
+  std::optional<Camera> camera;
+  std::vector<Environment> environments;
+};
+
+void add_builtin(const JsonReader& json, Scene& scene, Defaults& defaults) {
+  json.allow_only({"builtin", "seed"});
+  json.member("builtin").one_of({"terrace"});
+  const auto seed = json.optional_member("seed");
+  Scene made =
+      default_scene(seed ? static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53)) : 1);
+  const auto first_material = static_cast<std::uint32_t>(scene.materials.size());
+  for (Mesh& mesh : made.meshes) mesh.material += first_material;
+  std::move(made.meshes.begin(), made.meshes.end(), std::back_inserter(scene.meshes));
+  std::move(made.materials.begin(), made.materials.end(), std::back_inserter(scene.materials));
+  if (!defaults.camera) defaults.camera = made.camera;
+  if (defaults.environments.empty()) defaults.environments = std::move(made.environments);
+}
+
+Defaults read_objects(const JsonReader& json, const ObjectContext& context, Scene& scene) {
+  Defaults defaults;
+  for (const JsonReader& object : json.elements(1, kMostObjects)) {
+    const int kinds =
+        int{object.has("file")} + int{object.has("shape")} + int{object.has("builtin")};
+    if (kinds != 1) object.fail("one of \"file\", \"shape\" and \"builtin\"");
+    if (object.has("builtin")) {
+      add_builtin(object, scene, defaults);
+    } else {
+      add_object(object, context, scene);
+    }
+  }
+  return defaults;
+}
+
+Scene read_document(const JsonReader& json, const fs::path& folder) {
+  json.allow_only({"$schema", "name", "camera", "materials", "objects", "environments", "bake"});
+  Scene scene;
+  scene.name =
+      json.has("name") ? read_name(json.member("name")) : fs::path(json.source()).stem().string();
+  // Cheap parts first: a mistake in them should not wait for the meshes.
+  if (const auto bake = json.optional_member("bake")) scene.bake = read_bake(*bake);
+  std::optional<Camera> camera;
+  if (const auto field = json.optional_member("camera")) camera = read_camera(*field);
+
+  ObjectContext context{folder, {}};
+  if (const auto materials = json.optional_member("materials")) {
+    const auto members = materials->members();
+    if (members.size() > kMostMaterials) {
+      throw Error(materials->where(), std::to_string(members.size()) + " materials",
+                  "at most " + std::to_string(kMostMaterials));
+    }
+    for (const auto& [name, material] : members) {
+      context.material_named[name] = static_cast<std::uint32_t>(scene.materials.size());
+      scene.materials.push_back(read_material(material, name, folder));
+    }
+  }
+  Defaults defaults = read_objects(json.member("objects"), context, scene);
+  if (!camera && !defaults.camera) json.member("camera");  // throws: it is missing
+  scene.camera = camera ? *camera : *defaults.camera;
+  if (const auto environments = json.optional_member("environments")) {
+    scene.environments = read_environments(*environments, folder);
+  } else if (!defaults.environments.empty()) {
+    scene.environments = std::move(defaults.environments);
+  } else {
+    for (const std::string& name : builtin_environment_names()) {
+      scene.environments.push_back(builtin_environment(name));
+    }
+  }
+  return scene;
+}
+
+}  // namespace
+
+Scene parse_scene(std::string_view text, const std::string& source, const fs::path& folder) {
+  const nlohmann::json document = parse_json(text, source);
+  return read_document(JsonReader(document, source), folder);
+}
+
+Scene read_scene(const fs::path& path) {
+  return parse_scene(read_file(path, kLargestSource), path.string(), path.parent_path());
+}
+
+}  // namespace rimlight

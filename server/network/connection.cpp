@@ -1,0 +1,203 @@
+#include "server/network/connection.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/dispatch.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <utility>
+#include <variant>
+
+namespace rimlight::server {
+namespace {
+
+namespace beast = boost::beast;
+namespace net = boost::asio;
+namespace websocket = beast::websocket;
+
+constexpr auto kAsTuple = net::as_tuple(net::use_awaitable);
+
+/// Text replies that may wait; at this bound reading pauses.
+constexpr std::size_t kMostTexts = 64;
+/// What a session itself may add to a client that does not read, before it is closed.
+constexpr std::size_t kTooManyTexts = 4 * kMostTexts;
+
+}  // namespace
+
+Connection::Connection(beast::tcp_stream stream, const NetworkSettings& settings)
+    : settings_(settings), socket_(std::move(stream)), room_(socket_.get_executor()) {
+  configure();
+}
+
+void Connection::configure() {
+  websocket::stream_base::timeout timeout{};
+  timeout.handshake_timeout = settings_.handshake_timeout;
+  timeout.idle_timeout = settings_.idle_timeout;
+  timeout.keep_alive_pings = true;
+  socket_.set_option(timeout);
+  socket_.auto_fragment(false);  // LIMITS: ten times the messages a second of 4 KiB fragments
+  socket_.read_message_max(kLargestMessage);
+}
+
+net::awaitable<void> Connection::run(Request request, std::shared_ptr<DesignSession> session) {
+  // Leaves however this coroutine ends: destroyed with its context, too.
+  const auto leave = [this](DesignSession* joined) {
+    ending_ = true;
+    room_.cancel();
+    joined->leave(*this, Clock::now());
+  };
+  const std::unique_ptr<DesignSession, decltype(leave)> joined(session.get(), leave);
+  beast::get_lowest_layer(socket_).expires_never();  // from here on the WebSocket's own timeouts
+  const auto [error] = co_await socket_.async_accept(request, kAsTuple);
+  if (!error) {
+    open_ = true;
+    write_soon();
+    co_await read_messages(*session);
+  }
+}
+
+net::awaitable<void> Connection::read_messages(DesignSession& session) {
+  beast::flat_buffer buffer;
+  for (;;) {
+    const bool has_room = co_await wait_for_room();
+    if (!has_room) {
+      abort("does not read its replies");
+      co_return;
+    }
+    const auto [error, size] = co_await socket_.async_read(buffer, kAsTuple);
+    if (error) co_return;
+    const auto bytes = buffer.cdata();
+    if (socket_.got_text()) {
+      handle(session, {static_cast<const char*>(bytes.data()), bytes.size()});
+    } else {
+      send_text(write_error(
+          Error("message", "a binary message of " + std::to_string(size) + " bytes", "text"), {}));
+    }
+    buffer.consume(buffer.size());
+  }
+}
+
+/// Waits while too many replies wait; false when that takes longer than the idle timeout.
+net::awaitable<bool> Connection::wait_for_room() {
+  const Clock::time_point deadline = Clock::now() + settings_.idle_timeout;
+  while (texts_.size() >= kMostTexts && !ending_) {
+    if (Clock::now() >= deadline) co_return false;
+    room_.expires_at(deadline);
+    co_await room_.async_wait(kAsTuple);
+  }
+  co_return true;
+}
+
+void Connection::handle(DesignSession& session, std::string_view text) {
+  const Clock::time_point now = Clock::now();
+  try {
+    const ClientMessage message = parse_client_message(text, session.scene().environments);
+    if (const auto* const edit = std::get_if<Edit>(&message)) {
+      session.apply(*this, *edit, now);
+    } else if (const auto* const ack = std::get_if<FrameAck>(&message)) {
+      if (session.acknowledge(*this, ack->frame, now) == AckResult::not_in_flight) {
+        throw Error("message: /frame", std::to_string(ack->frame),
+                    "the frame that was sent last, once");
+      }
+    } else {
+      send_text(write_pong(std::get<Ping>(message).id));
+    }
+  } catch (const Error& error) {
+    send_text(write_error(error, find_message_id(text)));
+  }
+}
+
+// Runs at once when called on the strand, so that a reply counts before the next read.
+void Connection::send_text(std::string text) {
+  net::dispatch(socket_.get_executor(),
+                [self = shared_from_this(), text = std::move(text)]() mutable {
+                  if (self->ending_) return;
+                  if (self->texts_.size() >= kTooManyTexts) {
+                    self->abort("does not read its replies");
+                    return;
+                  }
+                  self->texts_.push_back(std::move(text));
+                  self->write_soon();
+                });
+}
+
+void Connection::send_state(std::string text) {
+  net::dispatch(socket_.get_executor(),
+                [self = shared_from_this(), text = std::move(text)]() mutable {
+                  self->state_ = std::move(text);
+                  self->write_soon();
+                });
+}
+
+void Connection::send_frame(FramePtr frame) {
+  net::dispatch(socket_.get_executor(),
+                [self = shared_from_this(), frame = std::move(frame)]() mutable {
+                  self->frame_ = std::move(frame);
+                  self->write_soon();
+                });
+}
+
+void Connection::stop() {
+  net::post(socket_.get_executor(), [self = shared_from_this()] {
+    if (std::exchange(self->ending_, true)) return;
+    self->room_.cancel();
+    if (!self->open_) {
+      self->plain_stream().close();
+      return;
+    }
+    self->socket_.async_close(websocket::close_code::going_away, [self](beast::error_code) {});
+  });
+}
+
+/// Posted: the sender may hold its session's lock, and must not be the one to write.
+void Connection::write_soon() {
+  if (!open_ || ending_ || std::exchange(writing_, true)) return;
+  net::post(socket_.get_executor(), [self = shared_from_this()] {
+    net::co_spawn(self->socket_.get_executor(), self->write_waiting(),
+                  [self](const std::exception_ptr&) {});
+  });
+}
+
+/// Writes what waits: replies, then the state, then the frame. After a failed write `writing_`
+/// stays set: nothing more goes to a broken socket.
+net::awaitable<void> Connection::write_waiting() {
+  while (!ending_) {
+    bool written = false;
+    if (!texts_.empty()) {
+      const std::string text = std::move(texts_.front());
+      texts_.pop_front();
+      if (texts_.size() < kMostTexts) room_.cancel();
+      written = co_await write(net::buffer(text), true);
+    } else if (state_) {
+      const std::string text = *std::exchange(state_, std::nullopt);
+      written = co_await write(net::buffer(text), true);
+    } else if (const FramePtr frame = std::exchange(frame_, nullptr)) {
+      written = co_await write(net::buffer(frame->bytes), false);
+    } else {
+      break;
+    }
+    if (!written) co_return;
+  }
+  writing_ = false;
+}
+
+net::awaitable<bool> Connection::write(net::const_buffer bytes, bool is_text) {
+  socket_.text(is_text);
+  const auto [error, size] = co_await socket_.async_write(bytes, kAsTuple);
+  co_return !error;
+}
+
+/// Ends a client that breaks the rules, without waiting for it.
+void Connection::abort(const char* reason) {
+  if (std::exchange(ending_, true)) return;
+  spdlog::warn("a client was closed: it {}", reason);
+  room_.cancel();
+  plain_stream().close();
+}
+
+}  // namespace rimlight::server

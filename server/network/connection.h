@@ -1,0 +1,66 @@
+#pragma once
+
+// Includes Beast: for the network layer's own .cpp files only.
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <deque>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/network/http_server.h"
+#include "server/network/stop_gate.h"
+#include "server/protocol/stream_target.h"
+
+namespace rimlight::server {
+
+/// One client's WebSocket. Members are touched on its strand only; any thread may call the Client
+/// functions and stop(). What waits to be written is bounded: some text replies (while they are at
+/// their bound nothing more is read), one state, one frame.
+class Connection final : public Client,
+                         public Stoppable,
+                         public std::enable_shared_from_this<Connection> {
+ public:
+  using Request = boost::beast::http::request<boost::beast::http::empty_body>;
+
+  Connection(boost::beast::tcp_stream stream, const NetworkSettings& settings);
+
+  /// Completes the upgrade and serves until either side ends it. The client has joined `session`
+  /// already, and leaves it here.
+  boost::asio::awaitable<void> run(Request request, std::shared_ptr<DesignSession> session);
+  /// The plain stream again, to refuse the upgrade on.
+  boost::beast::tcp_stream& plain_stream() { return socket_.next_layer(); }
+
+  void send_text(std::string text) override;
+  void send_state(std::string text) override;
+  void send_frame(FramePtr frame) override;
+  void stop() override;
+
+ private:
+  void configure();
+  boost::asio::awaitable<void> read_messages(DesignSession& session);
+  boost::asio::awaitable<bool> wait_for_room();
+  void handle(DesignSession& session, std::string_view text);
+  void write_soon();
+  boost::asio::awaitable<void> write_waiting();
+  boost::asio::awaitable<bool> write(boost::asio::const_buffer bytes, bool is_text);
+  void abort(const char* reason);
+
+  const NetworkSettings& settings_;
+  boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket_;
+  boost::asio::steady_timer room_;  // cancelled when texts_ has room again
+  std::deque<std::string> texts_;
+  std::optional<std::string> state_;
+  FramePtr frame_;
+  bool open_ = false;
+  bool writing_ = false;
+  bool ending_ = false;
+};
+
+}  // namespace rimlight::server

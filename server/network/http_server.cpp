@@ -1,0 +1,197 @@
+#include "server/network/http_server.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/strand.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <csignal>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "server/network/http_session.h"
+#include "server/network/stop_gate.h"
+
+namespace rimlight::server {
+namespace {
+
+namespace beast = boost::beast;
+namespace net = boost::asio;
+using Tcp = net::ip::tcp;
+
+constexpr auto kAsTuple = net::as_tuple(net::use_awaitable);
+constexpr std::chrono::seconds kHousekeeping{10};
+constexpr std::chrono::milliseconds kPause{20};
+/// Sockets above the bound that are still told why they are refused.
+constexpr std::size_t kRefusals = 32;
+
+Tcp::endpoint loopback_endpoint(const NetworkSettings& settings) {
+  const std::string where = settings.host + ":" + std::to_string(settings.port);
+  beast::error_code failure;
+  const auto address =
+      net::ip::make_address(settings.host == "localhost" ? "127.0.0.1" : settings.host, failure);
+  if (failure) throw Error(where, "no address", "an IP address, or localhost");
+  if (!address.is_loopback()) {
+    throw Error(where, "an address that other machines reach",
+                "a loopback address (127.0.0.1, ::1, localhost): there are no access tokens yet, "
+                "so anyone could edit");
+  }
+  return {address, settings.port};
+}
+
+Tcp::acceptor listening(net::io_context& context, const NetworkSettings& settings) {
+  const Tcp::endpoint endpoint = loopback_endpoint(settings);
+  Tcp::acceptor acceptor(net::make_strand(context));
+  beast::error_code failure;
+  acceptor.open(endpoint.protocol(), failure);
+  if (!failure) acceptor.set_option(net::socket_base::reuse_address(true), failure);
+  if (!failure) acceptor.bind(endpoint, failure);
+  if (!failure) acceptor.listen(net::socket_base::max_listen_connections, failure);
+  if (failure) {
+    throw Error(settings.host + ":" + std::to_string(settings.port), failure.message(),
+                "an address that is free to listen on");
+  }
+  return acceptor;
+}
+
+void log_failure(const std::exception_ptr& failure) {
+  if (!failure) return;
+  try {
+    std::rethrow_exception(failure);
+  } catch (const std::exception& error) {
+    spdlog::warn("a connection ended: {}", error.what());
+  }
+}
+
+}  // namespace
+
+struct HttpServer::State {
+  State(const NetworkSettings& settings_, const StaticFiles& files, SessionRegistry& sessions_)
+      : settings(settings_),
+        sessions(sessions_),
+        context(settings_.threads),
+        acceptor(listening(context, settings)),
+        signals(acceptor.get_executor()),
+        timer(acceptor.get_executor()),
+        site{settings, files, sessions_, gate} {}
+
+  const NetworkSettings settings;
+  SessionRegistry& sessions;
+  StopGate gate;  // outlives the coroutines that the context destroys after a hard stop
+  net::io_context context;
+  // On the acceptor's strand:
+  Tcp::acceptor acceptor;
+  net::signal_set signals;
+  net::steady_timer timer;  // of the housekeeping
+  bool stopping = false;
+  Site site;
+
+  net::awaitable<void> accept();
+  net::awaitable<void> keep_house();
+  net::awaitable<void> drain();
+  void watch_signals();
+  void stop();
+};
+
+net::awaitable<void> HttpServer::State::accept() {
+  while (acceptor.is_open()) {
+    auto [error, socket] = co_await acceptor.async_accept(net::make_strand(context), kAsTuple);
+    if (error == net::error::operation_aborted) co_return;
+    if (error) {
+      // Out of file descriptors, most likely: others must close first.
+      spdlog::warn("accepting failed: {}", error.message());
+      net::steady_timer pause(acceptor.get_executor(), kPause);
+      co_await pause.async_wait(kAsTuple);
+      continue;
+    }
+    beast::error_code ignored;
+    socket.set_option(Tcp::no_delay(true), ignored);
+    const auto executor = socket.get_executor();
+    auto session = std::make_shared<HttpSession>(beast::tcp_stream(std::move(socket)), site);
+    if (!gate.enter(session, settings.most_connections + kRefusals)) continue;  // closed unheard
+    if (gate.size() > settings.most_connections) session->refuse_all();
+    net::co_spawn(executor, session->run(), [this, session](const std::exception_ptr& failure) {
+      gate.leave(*session);
+      log_failure(failure);
+    });
+  }
+}
+
+net::awaitable<void> HttpServer::State::keep_house() {
+  while (!stopping) {
+    sessions.drop_idle(Clock::now());
+    timer.expires_after(kHousekeeping);
+    co_await timer.async_wait(kAsTuple);
+  }
+}
+
+void HttpServer::State::watch_signals() {
+  signals.add(SIGINT);
+  signals.add(SIGTERM);
+  signals.async_wait([this](beast::error_code error, int) {
+    if (!error) stop();
+  });
+}
+
+/// On the acceptor's strand. First politely, then, at the deadline, hard.
+void HttpServer::State::stop() {
+  if (std::exchange(stopping, true)) return;
+  beast::error_code ignored;
+  acceptor.close(ignored);
+  signals.cancel(ignored);
+  timer.cancel();
+  gate.close();
+  net::co_spawn(acceptor.get_executor(), drain(), log_failure);
+}
+
+/// The context runs dry by itself when the last socket is closed.
+net::awaitable<void> HttpServer::State::drain() {
+  const Clock::time_point end = Clock::now() + settings.stop_deadline;
+  while (gate.size() > 0 && Clock::now() < end) {
+    net::steady_timer pause(acceptor.get_executor(), kPause);
+    co_await pause.async_wait(kAsTuple);
+  }
+  if (gate.size() > 0) {
+    spdlog::warn("{} sockets were closed hard", gate.size());
+    context.stop();
+  }
+}
+
+HttpServer::HttpServer(const NetworkSettings& settings, const StaticFiles& files,
+                       SessionRegistry& sessions)
+    : state_(std::make_unique<State>(settings, files, sessions)) {}
+
+HttpServer::~HttpServer() = default;
+
+std::string HttpServer::address() const {
+  const Tcp::endpoint endpoint = state_->acceptor.local_endpoint();
+  const std::string host = endpoint.address().to_string();
+  return "http://" + (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" +
+         std::to_string(endpoint.port());
+}
+
+void HttpServer::run(Signals signals) {
+  State& state = *state_;
+  if (signals == Signals::watch) state.watch_signals();
+  net::co_spawn(state.acceptor.get_executor(), state.accept(), log_failure);
+  net::co_spawn(state.acceptor.get_executor(), state.keep_house(), log_failure);
+  std::vector<std::jthread> threads;
+  for (int i = 1; i < state.settings.threads; ++i) {
+    threads.emplace_back([&state] { state.context.run(); });
+  }
+  state.context.run();
+}
+
+void HttpServer::stop() {
+  net::post(state_->acceptor.get_executor(), [state = state_.get()] { state->stop(); });
+}
+
+}  // namespace rimlight::server

@@ -1,0 +1,184 @@
+#include "server/network/http_session.h"
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/error.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <utility>
+
+#include "core/base/error.h"
+
+namespace rimlight::server {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace net = boost::asio;
+
+constexpr auto kAsTuple = net::as_tuple(net::use_awaitable);
+constexpr std::uint32_t kLargestHeader = 16 * 1024;
+
+using Request = HttpSession::Request;
+using Response = HttpSession::Response;
+
+/// Everything comes from here: no other origin is asked for anything.
+constexpr const char* kContentPolicy =
+    "default-src 'self'; img-src 'self' blob:; object-src 'none'; base-uri 'none'; "
+    "frame-ancestors 'none'; form-action 'none'";
+
+Response make_response(http::status status, unsigned version, bool keep_alive,
+                       const std::string& content_type, std::string body) {
+  Response response{status, version};
+  response.set(http::field::content_type, content_type);
+  response.set(http::field::cache_control, "no-cache");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Content-Security-Policy", kContentPolicy);
+  response.keep_alive(keep_alive);
+  response.body() = std::move(body);
+  response.prepare_payload();
+  return response;
+}
+
+Response plain(const Request& request, http::status status, std::string_view text) {
+  return make_response(status, request.version(), request.keep_alive(), "text/plain; charset=utf-8",
+                       std::string(text) + "\n");
+}
+
+std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
+
+Response serve_file(const Request& request, const StaticFiles::File& file) {
+  const bool known = view(request[http::field::if_none_match]) == file.etag;
+  Response response =
+      make_response(known ? http::status::not_modified : http::status::ok, request.version(),
+                    request.keep_alive(), file.content_type, known ? std::string() : file.bytes);
+  response.set(http::field::etag, file.etag);
+  return response;
+}
+
+/// As against a socket that ended.
+bool is_malformed(const beast::error_code& error) {
+  return error.category() == http::make_error_code(http::error::bad_value).category() &&
+         error != http::error::end_of_stream && error != http::error::partial_message;
+}
+
+/// A page of another site may open a WebSocket to this machine, and says so in Origin.
+bool is_foreign_origin(const Request& request) {
+  const std::string_view origin = view(request[http::field::origin]);
+  if (origin.empty()) return false;  // not a browser
+  const std::size_t scheme = origin.find("://");
+  return scheme == std::string_view::npos ||
+         origin.substr(scheme + 3) != view(request[http::field::host]);
+}
+
+}  // namespace
+
+HttpSession::HttpSession(beast::tcp_stream stream, const Site& site)
+    : site_(site), stream_(std::move(stream)), strand_(stream_.get_executor()) {}
+
+net::awaitable<void> HttpSession::run() {
+  beast::flat_buffer buffer(kLargestHeader);
+  while (!stopping_) {
+    http::request_parser<http::empty_body> parser;
+    parser.header_limit(kLargestHeader);
+    stream_.expires_after(site_.settings.handshake_timeout);
+    const auto [error, size] = co_await http::async_read(stream_, buffer, parser, kAsTuple);
+    if (error) {
+      if (is_malformed(error)) {
+        Request malformed;
+        malformed.keep_alive(false);
+        co_await answer(stream_, plain(malformed, http::status::bad_request, error.message()));
+      }
+      break;
+    }
+    Request request = parser.release();
+    if (!refusing_ && beast::websocket::is_upgrade(request)) {
+      co_await upgrade(std::move(request));
+      co_return;
+    }
+    const bool keep_alive = co_await answer(stream_, respond(request));
+    if (!keep_alive) break;
+  }
+  beast::error_code ignored;
+  stream_.socket().shutdown(net::ip::tcp::socket::shutdown_send, ignored);
+}
+
+/// True when another request may follow.
+net::awaitable<bool> HttpSession::answer(beast::tcp_stream& stream, Response response) {
+  stream.expires_after(site_.settings.handshake_timeout);
+  const auto [error, size] = co_await http::async_write(stream, response, kAsTuple);
+  if (error) co_return false;
+  co_return response.keep_alive();
+}
+
+net::awaitable<void> HttpSession::upgrade(Request request) {
+  request.keep_alive(false);  // after a refusal
+  connection_ = std::make_shared<Connection>(std::move(stream_), site_.settings);
+  std::shared_ptr<DesignSession> session;
+  Response refusal;
+  if (is_foreign_origin(request)) {
+    refusal = plain(request, http::status::forbidden, "the page comes from another origin");
+  } else {
+    try {
+      const StreamTarget target = parse_stream_target(view(request.target()));
+      session = site_.sessions.join(target.session, target.scene, connection_, Clock::now());
+      refusal = plain(request, http::status::service_unavailable,
+                      "all sessions of this server are in use; try again later");
+    } catch (const Error& error) {
+      refusal = plain(request, http::status::not_found, error.what());
+    }
+  }
+  if (session) {
+    co_await connection_->run(std::move(request), std::move(session));
+  } else {
+    co_await answer(connection_->plain_stream(), std::move(refusal));
+  }
+}
+
+Response HttpSession::respond(const Request& request) const {
+  if (refusing_) {
+    Response response =
+        plain(request, http::status::service_unavailable, "too many connections; try again later");
+    response.set(http::field::retry_after, "5");
+    response.keep_alive(false);
+    return response;
+  }
+  const bool is_head = request.method() == http::verb::head;
+  if (!is_head && request.method() != http::verb::get) {
+    Response response = plain(request, http::status::method_not_allowed, "GET and HEAD only");
+    response.set(http::field::allow, "GET, HEAD");
+    return response;
+  }
+  const std::string_view target = view(request.target());
+  const std::string_view path = target.substr(0, target.find('?'));
+  Response response;
+  if (path == "/healthz" || path == "/readyz") {
+    response = plain(request, http::status::ok, "ok");
+  } else if (path == "/api/scenes") {
+    response = make_response(http::status::ok, request.version(), request.keep_alive(),
+                             "application/json", site_.sessions.scenes().to_json());
+  } else if (const StaticFiles::File* const file = site_.files.find(path)) {
+    response = serve_file(request, *file);
+  } else {
+    response = plain(request, http::status::not_found, "nothing is here");
+  }
+  if (is_head) response.body().clear();  // Content-Length stays
+  return response;
+}
+
+void HttpSession::stop() {
+  net::post(strand_, [self = shared_from_this()] {
+    self->stopping_ = true;
+    if (self->connection_) {
+      self->connection_->stop();
+    } else {
+      self->stream_.close();
+    }
+  });
+}
+
+}  // namespace rimlight::server

@@ -1,0 +1,54 @@
+#pragma once
+
+// Includes Beast: for the network layer's own .cpp files only.
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <memory>
+
+#include "server/network/connection.h"
+#include "server/network/http_server.h"
+#include "server/network/stop_gate.h"
+
+namespace rimlight::server {
+
+/// What all sockets of a server share.
+struct Site {
+  const NetworkSettings& settings;
+  const StaticFiles& files;
+  SessionRegistry& sessions;
+  StopGate& gate;
+};
+
+/// One accepted socket: answers HTTP requests until it is closed or becomes a WebSocket.
+/// On its strand; any thread may call stop().
+class HttpSession final : public Stoppable, public std::enable_shared_from_this<HttpSession> {
+ public:
+  using Request = boost::beast::http::request<boost::beast::http::empty_body>;
+  using Response = boost::beast::http::response<boost::beast::http::string_body>;
+
+  HttpSession(boost::beast::tcp_stream stream, const Site& site);
+
+  boost::asio::awaitable<void> run();
+  /// Before run(): every request is answered with 503, since too many sockets are open.
+  void refuse_all() { refusing_ = true; }
+  void stop() override;
+
+ private:
+  boost::asio::awaitable<void> upgrade(Request request);
+  boost::asio::awaitable<bool> answer(boost::beast::tcp_stream& stream, Response response);
+  Response respond(const Request& request) const;
+
+  const Site& site_;
+  boost::beast::tcp_stream stream_;  // moves into the connection
+  const boost::asio::any_io_executor strand_;
+  std::shared_ptr<Connection> connection_;  // once it is a WebSocket
+  bool refusing_ = false;
+  bool stopping_ = false;
+};
+
+}  // namespace rimlight::server

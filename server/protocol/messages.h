@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/math/camera.h"
+#include "core/relight/design_state.h"
+
+namespace rimlight::server {
+
+/// The text messages of docs/protocol, as plain values.
+
+/// Clients may send text messages of at most this size; larger ones end the connection.
+inline constexpr std::size_t kLargestMessage = 64 * 1024;
+/// Longest "id" of an edit or a ping, in bytes.
+inline constexpr std::size_t kLongestId = 64;
+/// Exposure stays within ± this many stops.
+inline constexpr double kExposureRange = 20;
+/// Whole numbers in JSON are exact up to here (2⁵³).
+inline constexpr std::int64_t kLargestWhole = std::int64_t{1} << 53;
+
+/// Where a session stands: `revision` counts its edits, `epoch` names the life of the session, so
+/// that no pair is used twice, not even over a restart of the server. Later pairs compare greater.
+struct Revision {
+  std::int64_t epoch = 0;
+  std::int64_t number = 0;
+
+  friend auto operator<=>(const Revision&, const Revision&) = default;
+};
+
+/// Sets some of a session's state, absolutely.
+struct Edit {
+  std::string id;  // the client's own name for it, given back in the ack
+  std::optional<Quaternion> rotation;
+  std::optional<std::string> environment;
+  std::optional<double> exposure_stops;
+
+  friend bool operator==(const Edit&, const Edit&) = default;
+};
+
+/// The client has shown the frame and takes the next.
+struct FrameAck {
+  std::int64_t frame = 0;
+
+  friend bool operator==(const FrameAck&, const FrameAck&) = default;
+};
+
+/// Asks for a pong with the same id: a page cannot see the WebSocket's own pings.
+struct Ping {
+  std::string id;
+
+  friend bool operator==(const Ping&, const Ping&) = default;
+};
+
+using ClientMessage = std::variant<Edit, FrameAck, Ping>;
+
+/// Reads one text message of a client. Throws Error, where() naming the field: malformed JSON, an
+/// unknown type or field, a rotation that is not finite or cannot be normalised, an environment
+/// that is not among `environments`, an exposure out of range, an edit that sets nothing.
+/// Rotations come back as unit quaternions.
+ClientMessage parse_client_message(std::string_view text,
+                                   const std::vector<std::string>& environments);
+
+/// The id of a message that may be otherwise wrong, so that its error reply can name it.
+std::optional<std::string> find_message_id(std::string_view text);
+
+/// What a client is told when it opens a session.
+struct Welcome {
+  std::string session;
+  std::string scene;
+  std::vector<std::string> environments;
+  int width = 0;
+  int height = 0;
+  Camera camera;
+  DesignState state;
+  Revision revision;
+};
+
+std::string write_welcome(const Welcome& welcome);
+/// To the client whose edit became `revision`; the state is the session's after it.
+std::string write_ack(std::string_view id, const Revision& revision, const DesignState& state);
+/// To the other clients of the session.
+std::string write_state(const Revision& revision, const DesignState& state);
+std::string write_pong(std::string_view id);
+/// An edge's answer to an Error; the connection goes on.
+std::string write_error(const Error& error, const std::optional<std::string>& id);
+/// A failure with no field of a message to blame.
+std::string write_error(std::string_view reason);
+
+/// The state as it stands in messages: {"rotation", "environment", "exposure"}.
+nlohmann::json state_to_json(const DesignState& state);
+
+}  // namespace rimlight::server

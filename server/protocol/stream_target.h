@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace rimlight::server {
+
+/// Sessions and scenes have names of 1 to 64 of [A-Za-z0-9._-].
+bool is_valid_name(std::string_view name);
+
+/// What the target of a WebSocket request asks for: /sessions/{session}/stream?scene={scene}.
+struct StreamTarget {
+  std::string session;
+  std::string scene;  // empty: the default one
+
+  friend bool operator==(const StreamTarget&, const StreamTarget&) = default;
+};
+
+/// Throws Error: another path, an invalid name, or an unknown parameter. Names never need
+/// percent-encoding, so '%' is refused like any other character outside the set.
+StreamTarget parse_stream_target(std::string_view target);
+
+}  // namespace rimlight::server

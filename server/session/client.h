@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "server/protocol/frame_message.h"
+
+namespace rimlight::server {
+
+/// The way back to one client, as a session sees it. Any thread; no call waits, blocks or computes:
+/// each only hands over what its socket's own strand will write.
+class Client {
+ public:
+  virtual ~Client() = default;
+
+  /// A reply that must arrive, in order. The implementation bounds how many may wait, and closes a
+  /// client that does not read them.
+  virtual void send_text(std::string text) = 0;
+  /// The newest state that another client set: replaces one that still waits.
+  virtual void send_state(std::string text) = 0;
+  /// At most one frame is on its way: the session sends the next after the client's frame_ack.
+  virtual void send_frame(FramePtr frame) = 0;
+};
+
+}  // namespace rimlight::server

@@ -1,0 +1,216 @@
+#include "server/session/design_session.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+namespace rimlight::server {
+namespace {
+
+double milliseconds(Clock::duration duration) {
+  return std::chrono::duration<double, std::milli>(duration).count();
+}
+
+}  // namespace
+
+DesignSession::DesignSession(std::string name, const ServedScene& scene, std::int64_t epoch,
+                             const SessionSettings& settings, RenderQueue& queue)
+    : name_(std::move(name)), scene_(scene), settings_(settings), queue_(queue) {
+  state_.environment = scene.environments.front();
+  revision_.epoch = epoch;
+  idle_since_ = queue.now();
+  last_edit_ = *idle_since_ - settings.quiet;  // the first frame need not wait for quiet
+}
+
+// Messages are handed over under the mutex, so that every client sees revisions in order; the calls
+// only post to the client's strand.
+
+void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  idle_since_.reset();
+  viewers_.push_back({client, kNone, nullptr});
+  client->send_text(write_welcome({name_, scene_.name, scene_.environments, scene_.width,
+                                   scene_.height, scene_.camera, state_, revision_}));
+  if (exact_revision_ == revision_.number) {
+    if (exact_frame_) {
+      offer(viewers_.back(), exact_frame_);
+    } else {
+      exact_revision_ = kNone;  // it failed: tried again for who comes new
+    }
+  }
+  reschedule(now);
+}
+
+void DesignSession::leave(const Client& client, Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(viewers_, [&](const Viewer& viewer) { return viewer.client.get() == &client; });
+  if (viewers_.empty()) idle_since_ = now;
+  reschedule(now);
+}
+
+void DesignSession::apply(const Client& client, const Edit& edit, Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  if (edit.rotation) state_.rotation = *edit.rotation;
+  if (edit.environment) state_.environment = *edit.environment;
+  if (edit.exposure_stops) state_.exposure_stops = *edit.exposure_stops;
+  ++revision_.number;
+  newest_revision_.store(revision_.number, std::memory_order_relaxed);
+  last_edit_ = now;
+  for (const Viewer& viewer : viewers_) {
+    if (viewer.client.get() == &client) {
+      viewer.client->send_text(write_ack(edit.id, revision_, state_));
+    } else {
+      viewer.client->send_state(write_state(revision_, state_));
+    }
+  }
+  reschedule(now);
+}
+
+AckResult DesignSession::acknowledge(const Client& client, std::int64_t frame,
+                                     Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  Viewer* const viewer = find_viewer(client);
+  if (viewer == nullptr || viewer->in_flight != frame) return AckResult::not_in_flight;
+  viewer->in_flight = kNone;
+  if (const FramePtr waiting = std::exchange(viewer->waiting, nullptr)) offer(*viewer, waiting);
+  reschedule(now);
+  return AckResult::taken;
+}
+
+std::optional<Clock::time_point> DesignSession::idle_since() const {
+  const std::lock_guard lock(mutex_);
+  return idle_since_;
+}
+
+void DesignSession::close() {
+  closed_.store(true);
+  queue_.unschedule(*this);
+}
+
+DesignSession::Viewer* DesignSession::find_viewer(const Client& client) {
+  const auto found = std::find_if(viewers_.begin(), viewers_.end(), [&](const Viewer& viewer) {
+    return viewer.client.get() == &client;
+  });
+  return found == viewers_.end() ? nullptr : &*found;
+}
+
+bool DesignSession::any_viewer_ready() const {
+  return std::any_of(viewers_.begin(), viewers_.end(),
+                     [](const Viewer& viewer) { return viewer.in_flight == kNone; });
+}
+
+void DesignSession::offer(Viewer& viewer, const FramePtr& frame) {
+  if (viewer.in_flight != kNone) {
+    viewer.waiting = frame;  // an older one is dropped, unsent
+    return;
+  }
+  viewer.in_flight = frame->frame;
+  viewer.client->send_frame(frame);
+}
+
+void DesignSession::reschedule(Clock::time_point now) {
+  if (closed_.load() || viewers_.empty() || exact_revision_ == revision_.number) {
+    moving_since_.reset();
+    exact_since_.reset();
+    queue_.unschedule(*this);
+    return;
+  }
+  const Clock::time_point quiet_from = last_edit_ + settings_.quiet;
+  if (!exact_since_ || *exact_since_ < quiet_from) exact_since_ = std::max(now, quiet_from);
+  if (moving_revision_ == revision_.number || !any_viewer_ready()) {
+    moving_since_.reset();
+  } else if (!moving_since_) {
+    moving_since_ = now;
+  }
+  queue_.schedule(shared_from_this(),
+                  moving_since_ ? std::min(*moving_since_, *exact_since_) : *exact_since_);
+}
+
+DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
+  Task task{Work::none, state_, revision_, 0};
+  if (closed_.load()) return task;
+  if (moving_since_) {
+    task.kind = Work::moving;
+    task.queue_ms = milliseconds(now - *std::exchange(moving_since_, std::nullopt));
+    // Counted as shown already now: only edits that come during the work ask for another.
+    moving_revision_ = revision_.number;
+  } else if (exact_since_ && now >= *exact_since_) {
+    task.kind = Work::exact;
+    task.queue_ms = milliseconds(now - *std::exchange(exact_since_, std::nullopt));
+  }
+  return task;
+}
+
+void DesignSession::work(Clock::time_point now) noexcept {
+  Task task;
+  {
+    const std::lock_guard lock(mutex_);
+    task = begin_task(now);
+  }
+  if (task.kind != Work::none) {
+    try {
+      if (const FramePtr frame = make_frame(task)) deliver(task, frame);
+    } catch (const std::exception& failure) {
+      fail(task, failure.what());
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  reschedule(queue_.now());
+}
+
+FramePtr DesignSession::make_frame(const Task& task) {
+  if (!source_) source_ = scene_.make_source();
+  FrameReport report;
+  if (task.kind == Work::moving) {
+    report = source_->render_moving(task.state, image_);
+  } else {
+    const auto abandon = [&] {
+      return closed_.load(std::memory_order_relaxed) ||
+             newest_revision_.load(std::memory_order_relaxed) != task.revision.number;
+    };
+    if (!source_->render_exact(task.state, image_, report, abandon)) return nullptr;
+  }
+  const Clock::time_point start = queue_.now();
+  const bool exact = task.kind == Work::exact;
+  if (exact) {
+    encode_png(image_, payload_);
+  } else {
+    jpeg_.encode(image_, settings_.jpeg_quality, payload_);
+  }
+  FrameHeader header;
+  header.frame = frames_++;
+  header.revision = task.revision;
+  header.codec = exact ? Codec::png : Codec::jpeg;
+  header.width = image_.width;
+  header.height = image_.height;
+  header.exact = exact;
+  header.terms = static_cast<std::int64_t>(report.terms);
+  header.residual = report.residual;
+  header.queue_ms = task.queue_ms;
+  header.rotate_ms = report.rotate_ms;
+  header.update_ms = report.update_ms;
+  header.display_ms = report.display_ms;
+  header.encode_ms = milliseconds(queue_.now() - start);
+  return write_frame_message(header, payload_);
+}
+
+void DesignSession::deliver(const Task& task, const FramePtr& frame) {
+  const std::lock_guard lock(mutex_);
+  moving_revision_ = std::max(moving_revision_, task.revision.number);
+  if (task.kind == Work::exact) {
+    exact_revision_ = task.revision.number;
+    exact_frame_ = frame;
+  }
+  for (Viewer& viewer : viewers_) offer(viewer, frame);
+}
+
+void DesignSession::fail(const Task& task, const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  // Not tried again until the next edit: it would fail again.
+  moving_revision_ = std::max(moving_revision_, task.revision.number);
+  exact_revision_ = std::max(exact_revision_, task.revision.number);
+  exact_frame_ = nullptr;
+  for (const Viewer& viewer : viewers_) viewer.client->send_text(write_error(reason));
+}
+
+}  // namespace rimlight::server

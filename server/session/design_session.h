@@ -1,0 +1,115 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/image/codec.h"
+#include "server/protocol/messages.h"
+#include "server/schedule/render_queue.h"
+#include "server/session/client.h"
+#include "server/session/scene_catalog.h"
+
+namespace rimlight::server {
+
+struct SessionSettings {
+  std::chrono::milliseconds quiet{50};  // without an edit, before the exact frame
+  int jpeg_quality = 80;
+};
+
+/// Why a client's frame_ack was not taken.
+enum class AckResult { taken, not_in_flight };
+
+/// Shared state that clients edit, and the frames that show it. Edits apply in order, each a new
+/// revision. Frames: while edits come, the approximate image as JPEG, as soon as a client can take
+/// one, so that a burst of edits costs one frame and frames are dropped before they are made; after
+/// `quiet` the exact image, once, as PNG; then nothing. Each client has at most one frame in flight
+/// and keeps the newest one waiting: a slow client gets fewer frames, never older ones, and always
+/// the last. Any thread, but work() is the compute thread's.
+class DesignSession final : public RenderJob, public std::enable_shared_from_this<DesignSession> {
+ public:
+  /// `scene` and `queue` must outlive it.
+  DesignSession(std::string name, const ServedScene& scene, std::int64_t epoch,
+                const SessionSettings& settings, RenderQueue& queue);
+
+  const std::string& name() const { return name_; }
+  const ServedScene& scene() const { return scene_; }
+
+  /// Sends the welcome and, when there is one, the current exact frame.
+  void join(const std::shared_ptr<Client>& client, Clock::time_point now);
+  void leave(const Client& client, Clock::time_point now);
+  /// Sets the state, sends the ack to `client` and the state to the others.
+  void apply(const Client& client, const Edit& edit, Clock::time_point now);
+  [[nodiscard]] AckResult acknowledge(const Client& client, std::int64_t frame,
+                                      Clock::time_point now);
+
+  /// Since when nobody has it open; nothing when somebody has.
+  std::optional<Clock::time_point> idle_since() const;
+  /// No more work: a render that runs is abandoned where it can be.
+  void close();
+
+  void work(Clock::time_point now) noexcept override;
+
+ private:
+  enum class Work { none, moving, exact };
+  /// One client's place in the flow of frames.
+  struct Viewer {
+    std::shared_ptr<Client> client;
+    std::int64_t in_flight = kNone;  // number of the frame that it has not acknowledged
+    FramePtr waiting;                // the newest frame that it could not take yet
+  };
+  /// One frame to make, from the state that was current when its work began.
+  struct Task {
+    Work kind = Work::none;
+    DesignState state;
+    Revision revision;
+    double queue_ms = 0;
+  };
+  static constexpr std::int64_t kNone = -1;
+
+  // All of these are called with the mutex held.
+  Viewer* find_viewer(const Client& client);
+  bool any_viewer_ready() const;
+  void offer(Viewer& viewer, const FramePtr& frame);
+  void reschedule(Clock::time_point now);
+  Task begin_task(Clock::time_point now);
+
+  // Called on the compute thread, without the mutex.
+  FramePtr make_frame(const Task& task);
+  void deliver(const Task& task, const FramePtr& frame);
+  void fail(const Task& task, const std::string& reason);
+
+  const std::string name_;
+  const ServedScene& scene_;
+  const SessionSettings settings_;
+  RenderQueue& queue_;
+
+  mutable std::mutex mutex_;
+  DesignState state_;
+  Revision revision_;
+  Clock::time_point last_edit_;
+  std::int64_t moving_revision_ = 0;     // newest revision that a frame shows, or need not
+  std::int64_t exact_revision_ = kNone;  // newest revision that an exact frame shows
+  // Since when each kind of frame is wanted and could be made: the place in the fair queue.
+  std::optional<Clock::time_point> moving_since_;
+  std::optional<Clock::time_point> exact_since_;
+  FramePtr exact_frame_;
+  std::vector<Viewer> viewers_;
+  std::optional<Clock::time_point> idle_since_;
+
+  std::atomic<std::int64_t> newest_revision_{0};  // revision_.number, to be asked between tiles
+  std::atomic<bool> closed_{false};
+
+  // The compute thread's own: kept between frames, so that nothing is allocated after warm-up.
+  std::unique_ptr<FrameSource> source_;
+  Rgb8Image image_;
+  JpegEncoder jpeg_;
+  std::vector<std::uint8_t> payload_;
+  std::int64_t frames_ = 0;
+};
+
+}  // namespace rimlight::server

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "core/relight/frame_renderer.h"
+
+namespace rimlight::server {
+
+/// What a session draws with: the part of FrameRenderer that it uses, and all that it knows of
+/// relighting. One thread at a time; errors as FrameRenderer's.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  virtual FrameReport render_moving(const DesignState& state, Rgb8Image& frame) = 0;
+  /// False when `abandon` answered true: the frame was not touched.
+  virtual bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
+                            const std::function<bool()>& abandon) = 0;
+};
+
+}  // namespace rimlight::server

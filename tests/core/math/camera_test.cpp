@@ -1,0 +1,78 @@
+#include "core/math/camera.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "core/math/sampling.h"
+
+namespace rimlight {
+namespace {
+
+constexpr double kRounding = 1e-14;
+
+Camera random_camera(Random& random) {
+  Camera camera;
+  camera.position = uniform_sphere(random_sample(random)) * 4.0;
+  camera.target = uniform_sphere(random_sample(random));
+  camera.up = uniform_sphere(random_sample(random)) * 3.0;  // any length, not perpendicular
+  camera.vertical_field_of_view_degrees = random.uniform(5, 120);
+  return camera;
+}
+
+double angle_degrees(const Vec3d& a, const Vec3d& b) {
+  return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
+}
+
+TEST(Camera, TheMiddleLooksAtTheTarget) {
+  Random random(1);
+  for (int i = 0; i < 500; ++i) {
+    const Camera camera = random_camera(random);
+    const Vec3d expected = normalized(camera.target - camera.position);
+    EXPECT_LT(length(camera.ray_direction(32, 24, 64, 48) - expected), kRounding);
+    EXPECT_LT(length(camera.ray_direction(0.5, 1.5, 1, 3) - expected), kRounding);
+  }
+}
+
+TEST(Camera, TopAndBottomAreTheFieldOfViewApart) {
+  Random random(2);
+  for (int i = 0; i < 500; ++i) {
+    const Camera camera = random_camera(random);
+    const Vec3d top = camera.ray_direction(32, 0, 64, 48);
+    const Vec3d bottom = camera.ray_direction(32, 48, 64, 48);
+    EXPECT_NEAR(angle_degrees(top, bottom), camera.vertical_field_of_view_degrees, 1e-11);
+    EXPECT_GT(dot(top - bottom, camera.up), 0);  // row 0 is the top
+  }
+}
+
+TEST(Camera, CornersFollowFromTheFieldOfViewAndTheShape) {
+  // From +z towards the origin: right is +x, up is +y; at distance 1 the image is 2t high.
+  const Camera camera;
+  const double t = std::tan(20 * std::numbers::pi / 180);
+  const double s = t * 64 / 48;
+  EXPECT_LT(length(camera.ray_direction(0, 0, 64, 48) - normalized(Vec3d(-s, t, -1))), kRounding);
+  EXPECT_LT(length(camera.ray_direction(64, 0, 64, 48) - normalized(Vec3d(s, t, -1))), kRounding);
+  EXPECT_LT(length(camera.ray_direction(64, 48, 64, 48) - normalized(Vec3d(s, -t, -1))), kRounding);
+}
+
+TEST(Camera, PixelsAreSquareAndEvenOnThePlane) {
+  Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    const Camera camera = random_camera(random);
+    const Vec3d forward = normalized(camera.target - camera.position);
+    const auto on_plane = [&](double x, double y) {
+      const Vec3d d = camera.ray_direction(x, y, 90, 40);
+      EXPECT_NEAR(length(d), 1, kRounding);
+      return d / dot(d, forward);
+    };
+    const Vec3d right = on_plane(11, 20) - on_plane(10, 20);
+    const Vec3d down = on_plane(10, 21) - on_plane(10, 20);
+    EXPECT_NEAR(length(right), length(down), 1e-13);
+    EXPECT_NEAR(dot(right, down), 0, 1e-13);
+    EXPECT_LT(length(on_plane(80, 5) - on_plane(79, 5) - right), 1e-12);
+    EXPECT_GT(dot(cross(right, down), forward), 0);  // x right, y down, seen along the view
+  }
+}
+
+}  // namespace
+}  // namespace rimlight

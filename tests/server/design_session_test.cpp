@@ -1,0 +1,314 @@
+#include "server/session/design_session.h"
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "server/session/session_registry.h"
+#include "tests/server/sphere_source.h"
+#include "tests/support/error_of.h"
+
+namespace rimlight::server {
+namespace {
+
+using nlohmann::json;
+using rimlight::test::error_of;
+using std::chrono::milliseconds;
+using test::sphere_scene;
+using test::SphereProbe;
+
+/// A client that keeps what it is sent.
+class KeepingClient : public Client {
+ public:
+  void send_text(std::string text) override { texts.push_back(json::parse(text)); }
+  void send_state(std::string text) override { states.push_back(json::parse(text)); }
+  void send_frame(FramePtr frame) override { frames.push_back(std::move(frame)); }
+
+  FrameHeader last() const { return parse_frame_message(frames.back()->bytes, "frame").header; }
+
+  std::vector<json> texts, states;
+  std::vector<FramePtr> frames;
+};
+
+/// A session whose time and compute thread are the test's.
+class DesignSessionTest : public testing::Test {
+ protected:
+  std::shared_ptr<KeepingClient> join() {
+    auto client = std::make_shared<KeepingClient>();
+    session->join(client, now);
+    return client;
+  }
+  void edit(const KeepingClient& client, double degrees, const std::string& id = "e") {
+    Edit change;
+    change.id = id;
+    change.rotation = axis_angle({0, 1, 0}, degrees * 3.14159265358979 / 180);
+    session->apply(client, change, now);
+  }
+  void acknowledge(const KeepingClient& client) {
+    EXPECT_EQ(session->acknowledge(client, client.frames.back()->frame, now), AckResult::taken);
+  }
+  /// All the work that is due now.
+  void work() {
+    while (queue.run_one(now)) {
+    }
+  }
+  void pass(milliseconds time) {
+    now += time;
+    work();
+  }
+
+  std::shared_ptr<SphereProbe> probe = std::make_shared<SphereProbe>();
+  ServedScene scene = sphere_scene("sphere", 32, 24, probe);
+  Clock::time_point now{std::chrono::hours(1)};
+  RenderQueue queue{[this] { return now; }};
+  std::shared_ptr<DesignSession> session =
+      std::make_shared<DesignSession>("s", scene, 5, SessionSettings{}, queue);
+};
+
+TEST_F(DesignSessionTest, TheFirstClientIsWelcomedAndGetsTheExactFrameAtOnce) {
+  const auto client = join();
+  ASSERT_EQ(client->texts.size(), 1u);
+  EXPECT_EQ(client->texts[0]["type"], "welcome");
+  EXPECT_EQ(client->texts[0]["environments"], json({"day", "night"}));
+  EXPECT_EQ(client->texts[0]["state"]["environment"], "day");
+  EXPECT_EQ(client->texts[0]["revision"], 0);
+  EXPECT_EQ(client->texts[0]["epoch"], 5);
+  work();
+  ASSERT_EQ(client->frames.size(), 1u);
+  EXPECT_TRUE(client->last().exact);
+  EXPECT_EQ(client->last().codec, Codec::png);
+  EXPECT_EQ(client->last().revision, (Revision{5, 0}));
+}
+
+TEST_F(DesignSessionTest, ABurstOfEditsCostsOneFrame) {
+  const auto client = join();
+  work();
+  acknowledge(*client);
+  for (int i = 1; i <= 100; ++i) edit(*client, i, std::to_string(i));
+  work();
+  EXPECT_EQ(probe->moving_frames, 1);
+  ASSERT_EQ(client->frames.size(), 2u);
+  EXPECT_EQ(client->last().revision.number, 100);
+  EXPECT_EQ(client->last().codec, Codec::jpeg);
+  EXPECT_FALSE(client->last().exact);
+  ASSERT_EQ(client->texts.size(), 101u);
+  for (int i = 1; i <= 100; ++i) {
+    const json& ack = client->texts[static_cast<std::size_t>(i)];
+    EXPECT_EQ(ack["type"], "ack");
+    EXPECT_EQ(ack["id"], std::to_string(i));
+    EXPECT_EQ(ack["revision"], i);
+  }
+}
+
+TEST_F(DesignSessionTest, AfterQuietThereIsOneExactFrameAndThenNoCostAtAll) {
+  const auto client = join();
+  work();
+  acknowledge(*client);
+  edit(*client, 10);
+  work();
+  acknowledge(*client);
+  pass(milliseconds(49));
+  EXPECT_EQ(client->frames.size(), 2u);
+  pass(milliseconds(1));
+  ASSERT_EQ(client->frames.size(), 3u);
+  EXPECT_TRUE(client->last().exact);
+  EXPECT_EQ(client->last().revision.number, 1);
+  acknowledge(*client);
+  EXPECT_EQ(queue.next_due(), Clock::time_point::max());
+}
+
+TEST_F(DesignSessionTest, AnEditPutsTheExactFrameOff) {
+  const auto client = join();
+  work();
+  acknowledge(*client);
+  for (int i = 0; i < 20; ++i) {
+    edit(*client, i + 1);
+    work();
+    acknowledge(*client);
+    pass(milliseconds(40));
+  }
+  EXPECT_EQ(probe->exact_frames, 1);  // the first
+  EXPECT_EQ(probe->moving_frames, 20);
+}
+
+TEST_F(DesignSessionTest, AnEditDuringTheExactFrameAbandonsIt) {
+  const auto client = join();
+  work();
+  acknowledge(*client);
+  edit(*client, 10);
+  work();
+  acknowledge(*client);
+  probe->on_row = [&](int row) {
+    if (row == 5) edit(*client, 20);
+  };
+  now += milliseconds(50);
+  ASSERT_TRUE(queue.run_one(now));
+  probe->on_row = nullptr;
+  EXPECT_EQ(probe->abandoned, 1);
+  EXPECT_EQ(client->frames.size(), 2u);
+  work();
+  ASSERT_EQ(client->frames.size(), 3u);
+  EXPECT_EQ(client->last().revision.number, 2);
+  EXPECT_FALSE(client->last().exact);
+  acknowledge(*client);
+  pass(milliseconds(50));
+  EXPECT_TRUE(client->last().exact);
+  EXPECT_EQ(client->last().revision.number, 2);
+}
+
+TEST_F(DesignSessionTest, ASlowClientGetsFewerFramesNeverOlderAndTheLastExactOne) {
+  const auto fast = join();
+  const auto slow = join();
+  work();
+  ASSERT_EQ(slow->frames.size(), 1u);  // and never acknowledges it, until the end
+  acknowledge(*fast);
+  for (int i = 1; i <= 10; ++i) {
+    edit(*fast, i);
+    work();
+    acknowledge(*fast);
+  }
+  EXPECT_EQ(fast->frames.size(), 11u);
+  EXPECT_EQ(slow->frames.size(), 1u);
+  acknowledge(*slow);
+  ASSERT_EQ(slow->frames.size(), 2u);
+  EXPECT_EQ(slow->last().revision.number, 10);
+  EXPECT_EQ(slow->frames.back(), fast->frames.back());  // encoded once for all
+  pass(milliseconds(50));
+  EXPECT_EQ(slow->frames.size(), 2u);
+  acknowledge(*slow);
+  ASSERT_EQ(slow->frames.size(), 3u);
+  EXPECT_TRUE(slow->last().exact);
+}
+
+TEST_F(DesignSessionTest, FramesThatNobodyCanTakeAreNotMade) {
+  const auto client = join();
+  work();
+  for (int i = 1; i <= 10; ++i) {
+    edit(*client, i);
+    pass(milliseconds(10));
+  }
+  EXPECT_EQ(probe->moving_frames, 0);
+  acknowledge(*client);
+  work();
+  EXPECT_EQ(probe->moving_frames, 1);
+  EXPECT_EQ(client->last().revision.number, 10);
+}
+
+TEST_F(DesignSessionTest, OthersAreToldTheStateThatOneSets) {
+  const auto one = join();
+  const auto other = join();
+  Edit change;
+  change.id = "x";
+  change.environment = "night";
+  change.exposure_stops = 2;
+  session->apply(*one, change, now);
+  EXPECT_EQ(one->texts.back()["type"], "ack");
+  EXPECT_EQ(one->texts.back()["state"]["environment"], "night");
+  EXPECT_TRUE(one->states.empty());
+  ASSERT_EQ(other->states.size(), 1u);
+  EXPECT_EQ(other->states[0]["state"]["environment"], "night");
+  EXPECT_EQ(other->states[0]["state"]["exposure"], 2);
+  EXPECT_EQ(other->states[0]["state"]["rotation"], json({0, 0, 0, 1}));
+  EXPECT_EQ(other->states[0]["revision"], 1);
+}
+
+TEST_F(DesignSessionTest, WhoComesLaterGetsTheCurrentExactFrameWithoutWork) {
+  const auto first = join();
+  work();
+  const auto second = join();
+  ASSERT_EQ(second->frames.size(), 1u);
+  EXPECT_EQ(second->frames[0], first->frames[0]);
+  EXPECT_EQ(probe->exact_frames, 1);
+}
+
+TEST_F(DesignSessionTest, AFrameIsAcknowledgedOnce) {
+  const auto client = join();
+  EXPECT_EQ(session->acknowledge(*client, 0, now), AckResult::not_in_flight);
+  work();
+  EXPECT_EQ(session->acknowledge(*client, 99, now), AckResult::not_in_flight);
+  acknowledge(*client);
+  EXPECT_EQ(session->acknowledge(*client, client->frames.back()->frame, now),
+            AckResult::not_in_flight);
+}
+
+TEST_F(DesignSessionTest, WithoutClientsNothingIsDone) {
+  const auto client = join();
+  edit(*client, 10);
+  EXPECT_FALSE(session->idle_since());
+  session->leave(*client, now);
+  EXPECT_EQ(session->idle_since(), now);
+  pass(milliseconds(1000));
+  EXPECT_EQ(probe->moving_frames + probe->exact_frames, 0);
+  join();
+  pass(milliseconds(100));
+  EXPECT_EQ(probe->exact_frames, 1);
+}
+
+TEST_F(DesignSessionTest, AFailingRenderIsToldAndTriedAgainAfterTheNextEdit) {
+  probe->broken = true;
+  const auto client = join();
+  work();
+  ASSERT_EQ(client->texts.size(), 2u);
+  EXPECT_EQ(client->texts[1]["type"], "error");
+  EXPECT_EQ(client->texts[1]["reason"], "sphere: found a broken source, expected a whole one");
+  EXPECT_EQ(queue.next_due(), Clock::time_point::max());
+  probe->broken = false;
+  edit(*client, 10);
+  pass(milliseconds(100));
+  ASSERT_FALSE(client->frames.empty());
+  EXPECT_EQ(client->last().revision.number, 1);
+}
+
+TEST_F(DesignSessionTest, AClosedSessionWorksNoMore) {
+  const auto client = join();
+  session->close();
+  edit(*client, 10);
+  pass(milliseconds(1000));
+  EXPECT_TRUE(client->frames.empty());
+}
+
+class SessionRegistryTest : public testing::Test {
+ protected:
+  std::shared_ptr<DesignSession> join(const std::string& name, const std::string& scene = "") {
+    clients.push_back(std::make_shared<KeepingClient>());
+    return registry.join(name, scene, clients.back(), now);
+  }
+
+  SceneCatalog scenes{{sphere_scene("one", 8, 8), sphere_scene("two", 8, 8)}};
+  RenderQueue queue;
+  RegistrySettings settings{{}, 2, std::chrono::seconds(60)};
+  SessionRegistry registry{scenes, queue, settings};
+  Clock::time_point now = Clock::now();
+  std::vector<std::shared_ptr<KeepingClient>> clients;
+};
+
+TEST_F(SessionRegistryTest, OneNameAndSceneIsOneSession) {
+  const auto a = join("a");
+  EXPECT_EQ(join("a", "one"), a);
+  EXPECT_NE(join("a", "two"), a);
+  EXPECT_EQ(registry.size(), 2u);
+  EXPECT_NE(error_of([&] { (void)join("a", "three"); }).find("\"three\""), std::string::npos);
+}
+
+TEST_F(SessionRegistryTest, WhenAllAreInUseTheNextIsRefusedAndAnIdleOneMakesRoom) {
+  const auto a = join("a");
+  const auto b = join("b");
+  EXPECT_EQ(join("c"), nullptr);
+  a->leave(*clients[0], now);
+  EXPECT_NE(join("c"), nullptr);
+  EXPECT_EQ(registry.size(), 2u);
+}
+
+TEST_F(SessionRegistryTest, IdleSessionsAreDroppedAndComeBackWithALaterEpoch) {
+  const auto a = join("a");
+  const auto epoch = clients[0]->texts[0]["epoch"].get<std::int64_t>();
+  a->leave(*clients[0], now);
+  registry.drop_idle(now + std::chrono::seconds(59));
+  EXPECT_EQ(registry.size(), 1u);
+  registry.drop_idle(now + std::chrono::seconds(60));
+  EXPECT_EQ(registry.size(), 0u);
+  (void)join("a");
+  EXPECT_GT(clients.back()->texts[0]["epoch"].get<std::int64_t>(), epoch);
+}
+
+}  // namespace
+}  // namespace rimlight::server

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "server/session/scene_catalog.h"
+
+namespace rimlight::server::test {
+
+/// What the test and the sources of its scene share.
+struct SphereProbe {
+  std::atomic<int> moving_frames{0};
+  std::atomic<int> exact_frames{0};
+  std::atomic<int> abandoned{0};
+  std::function<void(int row)> on_row;  // called before each row of an exact frame
+  std::atomic<bool> broken{false};      // every render throws Error
+};
+
+/// A frame source with a closed form: a white Lambert sphere under one distant light that the
+/// state's rotation turns. Frames in motion have half the grey levels. Tiles are rows.
+class SphereSource final : public FrameSource {
+ public:
+  SphereSource(int width, int height, std::shared_ptr<SphereProbe> probe)
+      : width_(width), height_(height), probe_(std::move(probe)) {}
+
+  FrameReport render_moving(const DesignState& state, Rgb8Image& frame) override;
+  bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
+                    const std::function<bool()>& abandon) override;
+
+ private:
+  void draw_row(const DesignState& state, int y, std::uint8_t mask, Rgb8Image& frame) const;
+
+  int width_;
+  int height_;
+  std::shared_ptr<SphereProbe> probe_;
+};
+
+/// A scene of such sources with environments "day" and "night".
+ServedScene sphere_scene(const std::string& name, int width, int height,
+                         std::shared_ptr<SphereProbe> probe = std::make_shared<SphereProbe>());
+
+}  // namespace rimlight::server::test

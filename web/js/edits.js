@@ -1,0 +1,78 @@
+const kMostUnacknowledged = 3;
+const kRemembered = 256;
+
+/**
+ * Sends edits: at most one an animation frame, what comes in between merged, and none while a few
+ * wait for their acks. Remembers when each was sent, so that a frame's latency can be told.
+ */
+export class Edits {
+  #send;
+  #pending = null;
+  #scheduled = false;
+  #counter = 0;
+  #sent = new Map(); // id → time sent, until acknowledged
+  #shown = []; // [{revision, time}], acknowledged and not seen in a frame yet, ascending
+
+  /** send(message) answers whether it was sent. */
+  constructor(send) {
+    this.#send = send;
+  }
+
+  /** Whether the server may not have heard all yet. */
+  get isBusy() {
+    return this.#pending !== null || this.#sent.size > 0;
+  }
+
+  /** Sets part of the state: {rotation}, {environment}, {exposure}. */
+  set(change) {
+    this.#pending = { ...this.#pending, ...change };
+    this.#schedule();
+  }
+
+  acknowledged(id, revision) {
+    const time = this.#sent.get(id);
+    if (time === undefined) return;
+    this.#sent.delete(id);
+    this.#shown.push({ revision, time });
+    if (this.#shown.length > kRemembered) this.#shown.shift();
+    this.#schedule();
+  }
+
+  refused(id) {
+    this.#sent.delete(id);
+    this.#schedule();
+  }
+
+  /** Milliseconds from the newest edit that the frame is the first to show; null when none. */
+  latencyOf(revision, now) {
+    let newest = null;
+    while (this.#shown.length > 0 && this.#shown[0].revision <= revision) {
+      newest = this.#shown.shift();
+    }
+    return newest && now - newest.time;
+  }
+
+  /** After a new welcome: nothing that was sent before will be acknowledged. */
+  restart() {
+    this.#sent.clear();
+    this.#shown = [];
+    this.#schedule();
+  }
+
+  #schedule() {
+    if (this.#scheduled || this.#pending === null) return;
+    this.#scheduled = true;
+    requestAnimationFrame(() => {
+      this.#scheduled = false;
+      this.#flush();
+    });
+  }
+
+  #flush() {
+    if (this.#pending === null || this.#sent.size >= kMostUnacknowledged) return;
+    const id = String(++this.#counter);
+    if (!this.#send({ type: 'edit', id, ...this.#pending })) return;
+    this.#sent.set(id, performance.now());
+    this.#pending = null;
+  }
+}
