@@ -47,10 +47,11 @@ class Environment {
   /// ∫ L dω of the image (a sun of one pixel included) and keeps a uniform image uniform, both to
   /// 0.1 %. Deterministic at any thread count. About a second for 8192×4096 on two cores.
   ///
-  /// Every pixel is cut into parts of at most 1/8 of a texel, and each part belongs to the texel
-  /// that its middle falls into. Radiance up to 16 times the mean is averaged over the parts that a
-  /// texel got (so that a uniform image stays uniform, whatever they sum to); what exceeds it is
-  /// energy, divided by the texel's true solid angle (so that a small bright source keeps it all).
+  /// Every pixel is cut into parts of at most 1/8 of a texel (finer for small sizes), and each part
+  /// belongs to the texel that its middle falls into. Radiance up to 16 times the mean is averaged
+  /// over the parts that a texel got (so that a uniform image stays uniform, whatever they sum to);
+  /// what exceeds it is energy, divided by the texel's true solid angle (so that a small bright
+  /// source keeps it all).
   CubeLight project(int size) const;
 
  private:

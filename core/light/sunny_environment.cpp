@@ -12,8 +12,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kTurbidity = 2.6;
-constexpr double kSunElevation = 40 * kPi / 180;
-constexpr double kSunAzimuth = 62 * kPi / 180;  // to the right of −z
+/// At 40°, to the right of −z, in the middle of a pixel, which then shows the sun's full radiance.
+constexpr double kSunElevation = (0.5 - 142.5 / kBuiltinHeight) * kPi;
+constexpr double kSunAzimuth = (688.5 / kBuiltinWidth - 0.5) * 2 * kPi;
 constexpr double kSunRadius = 0.2665 * kPi / 180;
 /// In the model's kcd/m²: 1.9e6 above the air, of which three quarters come down through it at 40°.
 constexpr double kSunLuminance = 1.4e6;
