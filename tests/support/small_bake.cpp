@@ -45,6 +45,7 @@ std::vector<TileTransport> small_tiles(const SmallBake& settings) {
   return random_tiles({.tile_count = settings.pixels.tile_count(),
                        .column_count = cube::texel_count(settings.cube_size),
                        .density = settings.density,
+                       .lowest = settings.lowest,
                        .seed = settings.seed});
 }
 
@@ -52,8 +53,7 @@ std::vector<BakedEnvironment> small_environments() {
   RgbImage sky = random_image(16, 8, 1);
   sky.at(11, 2) = {900, 800, 600};
   return {{std::make_shared<Environment>("sky", std::move(sky), EnvironmentLayout::lat_long), 0.5},
-          {std::make_shared<Environment>("probe", random_image(9, 9, 2),
-                                         EnvironmentLayout::angular_map),
+          {std::make_shared<Environment>("room", random_image(24, 4, 2), EnvironmentLayout::cube),
            1.25}};
 }
 

@@ -14,6 +14,7 @@ struct SmallBake {
   PixelLayout pixels{70, 66};  // four tiles, three of them mostly padding
   int cube_size = 4;
   double density = 0.1;
+  double lowest = -1;  // of the transport's values: 0 makes an image that is mostly bright
   std::uint64_t seed = 1;
   std::string scene = "small";
 };
@@ -22,7 +23,7 @@ BakeManifest small_manifest(const SmallBake& settings);
 /// Some pixels covered, some not, some half.
 std::vector<float> small_coverage(const SmallBake& settings);
 std::vector<TileTransport> small_tiles(const SmallBake& settings);
-/// "sky" (lat-long, 16 × 8, with a bright sun) and "probe" (angular map, 9 × 9).
+/// "sky" (lat-long, 16 × 8, with a bright sun) and "room" (cube faces in a strip, 24 × 4).
 std::vector<BakedEnvironment> small_environments();
 /// All of it but the commit.
 void fill(BakeWriter& writer, const SmallBake& settings);

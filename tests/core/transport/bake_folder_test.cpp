@@ -197,7 +197,7 @@ TEST(BakeFolder, AManifestFieldThatIsNotAsPromisedIsNamed) {
       {"/environments", nlohmann::json::array(), "/environments"},
       {"/environments/0/file", "no.safetensors", "no.safetensors"},
       {"/environments/0/file", "transport.safetensors", "radiance"},
-      {"/environments/0/name", "probe", "/environments/1/name"},
+      {"/environments/0/name", "room", "/environments/1/name"},
       {"/environments/0/layout", "automatic", "/environments/0/layout"},
       {"/environments/0/exposure_scale", 0, "/environments/0/exposure_scale"},
       {"/environments/0/exposure_scale", "1", "/environments/0/exposure_scale"},
