@@ -22,17 +22,17 @@ Scene default_scene(std::uint64_t seed) {
   terrace::add_floor(builder);
   terrace::add_walls(builder);
   terrace::add_pergola(builder);
-  terrace::add_bench(builder, {-2.38, 0, -0.55});
+  terrace::add_bench(builder, {-2.38, 0, -1.15});
   terrace::add_vase(builder, {-1.15, 0, -1.95});
-  terrace::add_plant(builder, {1.95, 0, -2.0});
-  terrace::add_bowl(builder, {-2.33, 0.435, -0.35});
-  terrace::add_ring(builder, {0.55, 0, 1.15});
+  terrace::add_plant(builder, {1.62, 0, -2.1});
+  terrace::add_bowl(builder, {-2.36, 0.435, -0.95});
+  terrace::add_ring(builder, {0.33, 0, 1.75});
 
   const Transform turn = rotation(axis_angle({0, 1, 0}, kTurn));
   for (Mesh& mesh : scene.meshes) apply(turn, mesh);
-  scene.camera.position = turn.point({0.55, 1.95, 5.1});
-  scene.camera.target = turn.point({-0.12, 1.02, -1.0});
-  scene.camera.vertical_field_of_view_degrees = 40;
+  scene.camera.position = turn.point({1.55, 1.78, 6.4});
+  scene.camera.target = turn.point({-0.38, 1.2, -1.0});
+  scene.camera.vertical_field_of_view_degrees = 36;
   for (const std::string& name : builtin_environment_names()) {
     scene.environments.push_back(builtin_environment(name));
   }

@@ -15,7 +15,7 @@ namespace {
 constexpr double kWallHeight = 2.9;
 constexpr double kWallThickness = 0.3;
 /// The opening in the back wall.
-constexpr double kArchMiddle = 0.75, kArchRadius = 0.68, kArchSpring = 1.45;
+constexpr double kArchMiddle = 0.42, kArchRadius = 0.68, kArchSpring = 1.45;
 constexpr int kArchSteps = 48;
 
 void add_quad(Mesh& mesh, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
@@ -105,7 +105,7 @@ void add_coping(Builder& builder, const std::vector<std::uint32_t>& stone) {
 }  // namespace
 
 void add_floor(Builder& builder) {
-  const auto stone = builder.tones("slab", {0.56f, 0.515f, 0.45f}, 0.16, 7);
+  const auto stone = builder.tones("slab", {0.60f, 0.525f, 0.42f}, 0.15, 7);
   const std::uint32_t mortar = builder.material("joint", {.albedo = {0.25f, 0.23f, 0.2f}});
   Random random = builder.random(1);
   constexpr double kJoint = 0.014;
@@ -136,7 +136,7 @@ void add_floor(Builder& builder) {
 }
 
 void add_walls(Builder& builder) {
-  const std::uint32_t teal = builder.material("teal plaster", {.albedo = {0.13f, 0.36f, 0.39f}});
+  const std::uint32_t teal = builder.material("teal plaster", {.albedo = {0.15f, 0.41f, 0.43f}});
   const std::uint32_t terracotta =
       builder.material("terracotta plaster", {.albedo = {0.66f, 0.27f, 0.14f}});
   const auto stone = builder.tones("dressed stone", {0.66f, 0.62f, 0.54f}, 0.08, 4);
@@ -157,7 +157,7 @@ void add_pergola(Builder& builder) {
   Random random = builder.random(2);
   const auto tone = [&] { return wood[random.below(wood.size())]; };
   constexpr double kBeamHeight = 2.62;
-  constexpr double kEnd = 1.15;
+  constexpr double kEnd = 0.55;
   const double length = kEnd - kBack;
   const double beam_x[] = {kLeft + 0.09, kRight - 0.12};
   for (const double x : beam_x) {

@@ -99,11 +99,11 @@ class Plant {
       : builder_(builder), random_(builder.random(3)), root_(root) {
     bark_ = builder.material("bark", {.albedo = {0.20f, 0.15f, 0.10f}});
     // Yellower where the light falls, bluer below: chosen leaf by leaf.
-    const Vec3f greens[] = {{0.10f, 0.24f, 0.05f},
-                            {0.14f, 0.30f, 0.06f},
-                            {0.20f, 0.36f, 0.08f},
-                            {0.27f, 0.40f, 0.10f},
-                            {0.36f, 0.43f, 0.12f}};
+    const Vec3f greens[] = {{0.12f, 0.29f, 0.06f},
+                            {0.17f, 0.37f, 0.07f},
+                            {0.24f, 0.44f, 0.09f},
+                            {0.32f, 0.49f, 0.11f},
+                            {0.42f, 0.52f, 0.13f}};
     for (const Vec3f& green : greens) {
       leaves_.push_back(builder.material("leaf " + std::to_string(leaves_.size() + 1),
                                          {.model = BrdfModel::phong,
@@ -121,6 +121,19 @@ class Plant {
       const StemPoint foot{root_ + Vec3d(0.06 * std::cos(phi), 0, 0.06 * std::sin(phi)),
                            normalized(lean), 0};
       branch(foot, {random_.uniform(0.95, 1.35), 0.017, 0.10, 0.02, 12}, 0);
+    }
+  }
+
+  /// Some lie on the floor around the pot.
+  void shed(int count) {
+    for (int i = 0; i < count; ++i) {
+      const double phi = random_.uniform(0, 2 * kPi);
+      const double distance = 0.42 + 0.75 * random_.uniform() * random_.uniform();
+      const Vec3d place(root_.x + distance * std::cos(phi), 0.012,
+                        root_.z + distance * std::sin(phi));
+      if (place.z < kBack + 0.1) continue;
+      const double turn = random_.uniform(0, 2 * kPi);
+      add_leaf(place, {std::cos(turn), 0.02, std::sin(turn)}, random_.uniform(0.08, 0.12));
     }
   }
 
@@ -198,7 +211,9 @@ void add_plant(Builder& builder, const Vec3d& place) {
   builder.add("soil", make_disc(0.283, 48),
               builder.material("soil", {.albedo = {0.07f, 0.05f, 0.04f}}),
               translation(place + Vec3d(0, 0.452, 0)));
-  Plant(builder, place + Vec3d(0, 0.45, 0)).grow_all();
+  Plant plant(builder, place + Vec3d(0, 0.45, 0));
+  plant.grow_all();
+  plant.shed(40);
 }
 
 }  // namespace rimlight::terrace

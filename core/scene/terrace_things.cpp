@@ -82,8 +82,8 @@ void add_ring(Builder& builder, const Vec3d& place) {
   const std::uint32_t marble = builder.material("marble", {.albedo = {0.80f, 0.78f, 0.74f}});
   constexpr double kSlab = 0.07;
   const ProfilePoint slab[] = {
-      {0, 0},         {0.61, 0},      {0.61, 0}, {0.61, kSlab - 0.012}, {0.61, kSlab - 0.012},
-      {0.598, kSlab}, {0.598, kSlab}, {0, kSlab}};
+      {0, 0},         {0.66, 0},      {0.66, 0}, {0.66, kSlab - 0.012}, {0.66, kSlab - 0.012},
+      {0.648, kSlab}, {0.648, kSlab}, {0, kSlab}};
   builder.add("marble disc", lathe(slab, 96), marble, translation(place));
   // Gold at 630, 532 and 465 nm (Johnson and Christy 1972).
   const Brdf gold{.model = BrdfModel::cook_torrance,
@@ -92,7 +92,7 @@ void add_ring(Builder& builder, const Vec3d& place) {
                   .roughness = 0.07f,
                   .eta = {0.19f, 0.54f, 1.36f},
                   .k = {3.29f, 2.23f, 1.93f}};
-  constexpr double kInner = 0.315, kOuter = 0.335, kHeight = 0.125, kRound = 0.006;
+  constexpr double kInner = 0.36, kOuter = 0.385, kHeight = 0.13, kRound = 0.006;
   const ProfilePoint band[] = {
       {kInner, kRound},           {kInner, kHeight - kRound}, {kInner + kRound, kHeight},
       {kOuter - kRound, kHeight}, {kOuter, kHeight - kRound}, {kOuter, kRound},
