@@ -32,6 +32,18 @@ function(rimlight_library name)
   target_link_libraries(rimlight_${name} PUBLIC rimlight_flags ${ARG_USES} PRIVATE ${ARG_LIBRARIES})
 endfunction()
 
+# What the sanitizers must know when a test runs, as an ENVIRONMENT property.
+set(RIMLIGHT_TEST_ENVIRONMENT "")
+if(RIMLIGHT_SANITIZE MATCHES "thread")
+  list(APPEND RIMLIGHT_TEST_ENVIRONMENT
+    "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp halt_on_error=1")
+endif()
+
+# rimlight_set_test_properties(test name value …): these properties and the environment above.
+function(rimlight_set_test_properties test)
+  set_tests_properties(${test} PROPERTIES ENVIRONMENT "${RIMLIGHT_TEST_ENVIRONMENT}" ${ARGN})
+endfunction()
+
 # rimlight_test(name SOURCES a_test.cpp … [LIBRARIES targets])
 # One GoogleTest binary for one folder, `name`_test; each TEST is a ctest of its own.
 function(rimlight_test name)
@@ -44,5 +56,5 @@ function(rimlight_test name)
   gtest_discover_tests(${name}_test
     DISCOVERY_TIMEOUT 60
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
-    PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS ${name})
+    PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS ${name} ENVIRONMENT "${RIMLIGHT_TEST_ENVIRONMENT}")
 endfunction()

@@ -10,12 +10,11 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/image/metrics.h"
-#include "core/image/tone_map.h"
 #include "core/light/light_rotation.h"
 #include "core/relight/background.h"
+#include "core/relight/display.h"
 #include "core/relight/policy.h"
 #include "core/relight/relighter.h"
-#include "core/relight/tile_image.h"
 
 namespace rimlight {
 namespace {
@@ -51,18 +50,6 @@ struct Light {
       : rotator(environment.project(cube_size)), background(environment.project(kBackgroundSize)) {}
 };
 
-void add_background(std::span<const BackgroundPixels::Pixel> pixels, const BackgroundMap& map,
-                    const Matrix3& to_source, TileImage& image) {
-  const Vec3f rows[3] = {Vec3f(to_source.row[0]), Vec3f(to_source.row[1]), Vec3f(to_source.row[2])};
-  for (const BackgroundPixels::Pixel& pixel : pixels) {
-    const Vec3f& d = pixel.direction;
-    const Vec3f radiance =
-        pixel.share * map.at({dot(rows[0], d), dot(rows[1], d), dot(rows[2], d)});
-    const std::size_t at = pixel.y * TileImage::kSide + pixel.x;
-    for (std::size_t c = 0; c < 3; ++c) image.channel[c][at] += radiance[static_cast<int>(c)];
-  }
-}
-
 }  // namespace
 
 struct FrameRenderer::State {
@@ -71,7 +58,7 @@ struct FrameRenderer::State {
   CubeHaar haar;
   std::unique_ptr<UpdatePolicy> policy;
   Relighter relighter;
-  BackgroundPixels background_pixels;
+  Display display;
   std::map<std::string, BakedEnvironment> environments;
   std::map<std::string, Light> lights;  // of the environments shown so far
   CubeLight texels;                     // of the rotated light; scratch of its transform
@@ -85,7 +72,7 @@ struct FrameRenderer::State {
         haar(bake->manifest().cube_size),
         policy(make_policy(settings.policy)),
         relighter(bake->transport(), haar),
-        background_pixels(bake->manifest().pixels, bake->manifest().camera, bake->coverage()),
+        display(bake->manifest().pixels, bake->manifest().camera, bake->coverage()),
         target(haar.size()) {
     for (const BakedEnvironment& baked : bake->environments()) {
       environments.emplace(baked.environment->name(), baked);
@@ -123,68 +110,14 @@ struct FrameRenderer::State {
     return size > 0 ? weighted_distance(haar, target, relighter.held()) / size : 0;
   }
 
-  /// What a frame is shown with.
-  struct Display {
-    const BackgroundMap& background;
-    Matrix3 to_source;  // from the rotated environment's directions to its own
-    float scale;
-  };
-
-  /// Calls visit(pixel place, tile image) for all tiles at once, B and background put together.
-  template <typename Visit>
-  void for_each_tile(const Display& display, const Visit& visit) const {
-    const auto show = [&](std::size_t tile) {
-      alignas(64) std::array<float, kTileFloats> radiance;
-      TileImage image;
-      relighter.sum_bands(tile, radiance);
-      rows_from_blocks(radiance, image);
-      add_background(background_pixels.of_tile(tile), display.background, display.to_source, image);
-      visit(pixels().pixel(tile * kTileReceivers), image);
-    };
-    parallel_for(relighter.tile_count(), std::cref(show));
-  }
-
-  void show_tile(const PixelLayout::Pixel& corner, const TileImage& image, float scale,
-                 Rgb8Image& frame) const {
-    const auto width =
-        static_cast<std::size_t>(std::min(PixelLayout::kTileSide, pixels().width - corner.x));
-    const int height = std::min(PixelLayout::kTileSide, pixels().height - corner.y);
-    for (int y = 0; y < height; ++y) {
-      const auto row = [&](std::size_t c) {
-        return std::span(image.channel[c])
-            .subspan(static_cast<std::size_t>(y) * TileImage::kSide, width);
-      };
-      const auto at = static_cast<std::size_t>((corner.y + y) * pixels().width + corner.x);
-      tone_map(row(0), row(1), row(2), scale, std::span(frame.bytes).subspan(3 * at, 3 * width));
-    }
-  }
-
-  void copy_tile(const PixelLayout::Pixel& corner, const TileImage& image,
-                 RgbImage& radiance) const {
-    const int right = std::min(corner.x + PixelLayout::kTileSide, pixels().width);
-    const int bottom = std::min(corner.y + PixelLayout::kTileSide, pixels().height);
-    for (int y = corner.y; y < bottom; ++y) {
-      for (int x = corner.x; x < right; ++x) {
-        const auto at = static_cast<std::size_t>(y - corner.y) * TileImage::kSide +
-                        static_cast<std::size_t>(x - corner.x);
-        radiance.at(x, y) = {image.channel[0][at], image.channel[1][at], image.channel[2][at]};
-      }
-    }
-  }
-
-  Display display_of(const DesignState& state, const Quaternion& rotation) {
-    const double scale =
-        environment(state.environment).exposure_scale * std::exp2(state.exposure_stops);
-    return {light(state.environment).background, matrix(conjugate(rotation)),
-            static_cast<float>(scale)};
+  float exposure_of(const DesignState& state) const {
+    return static_cast<float>(environment(state.environment).exposure_scale *
+                              std::exp2(state.exposure_stops));
   }
 
   void show(const DesignState& state, const Quaternion& rotation, Rgb8Image& frame) {
-    const Display display = display_of(state, rotation);
-    frame.resize(pixels().width, pixels().height);
-    for_each_tile(display, [&](const PixelLayout::Pixel& corner, const TileImage& image) {
-      show_tile(corner, image, display.scale, frame);
-    });
+    display.show(relighter, {light(state.environment).background, rotation}, exposure_of(state),
+                 frame);
   }
 
   /// The exact image of a state in the relighter; false when abandoned.
@@ -251,7 +184,7 @@ void FrameRenderer::add_environment(std::shared_ptr<const Environment> environme
   state_->lights.erase(name);
   state_->environments.insert_or_assign(name, BakedEnvironment{std::move(environment), 1});
   FrameReport report;
-  RIMLIGHT_CHECK(state_->relight_exactly({.environment = name}, {}, report, {}));
+  RIMLIGHT_CHECK(state_->relight_exactly({name, {}, 0}, {}, report, {}));
   state_->environments.at(name).exposure_scale = auto_exposure_scale(state_->covered_radiance());
 }
 
@@ -291,11 +224,8 @@ void FrameRenderer::render_radiance(const DesignState& state, RgbImage& image,
   const Quaternion rotation = checked_rotation(state);
   RIMLIGHT_CHECK(state_->relight_exactly(state, rotation, report, {}));
   Stopwatch watch;
-  image = RgbImage(state_->pixels().width, state_->pixels().height);
-  state_->for_each_tile(state_->display_of(state, rotation),
-                        [&](const PixelLayout::Pixel& corner, const TileImage& tile) {
-                          state_->copy_tile(corner, tile, image);
-                        });
+  state_->display.show(state_->relighter, {state_->light(state.environment).background, rotation},
+                       image);
   report.display_ms = watch.lap_ms();
 }
 

@@ -22,8 +22,8 @@ struct RelightSettings {
 /// How one frame came about.
 struct FrameReport {
   bool exact = false;
-  std::size_t terms = 0;  // columns applied
-  std::size_t bands_reset = 0;
+  std::size_t terms = 0;        // columns added
+  std::size_t bands_reset = 0;  // bands that started from zero; all of them when exact
   double residual = 0;  // ‖target − held‖₁ / ‖target‖₁ of the lighting, area-weighted; 0 = exact
   double rotate_ms = 0;   // light rotation and Haar transform
   double update_ms = 0;   // policy and columns
@@ -32,29 +32,38 @@ struct FrameReport {
 
 /// Turns a design state into pixels of one bake: rotates the light, plans and applies the update,
 /// composites the environment behind the pixels, tone-maps. Holds B and the held light of one
-/// design session. Allocates nothing after the first frames. One thread at a time; computes on all
-/// cores.
+/// design session. Allocates nothing after the first frames of each environment. One thread at a
+/// time; computes on all cores.
+///
+/// A pixel is B + (1 − coverage) · L(ω): ω the camera's ray through the pixel's middle, L the
+/// environment in the same rotation, looked up in a finer cube map than the light's.
+///
+/// Every call throws Error for a state that cannot be shown: an unknown environment, a rotation
+/// that is no unit quaternion to 10⁻³, an exposure that is not within ±kMostStops.
 class FrameRenderer {
  public:
+  static constexpr double kMostStops = 64;
+
   FrameRenderer(std::shared_ptr<const Bake> bake, const RelightSettings& settings);
   ~FrameRenderer();
 
-  /// An approximate frame within the coefficient budget. Throws Error for an unknown environment.
+  /// An environment beside those of the bake; in the place of one of the same name. Its exposure is
+  /// found as a bake finds it: 0 stops take the mean of the covered pixels, unrotated, to 0.18.
+  /// Costs one exact product.
+  void add_environment(std::shared_ptr<const Environment> environment);
+
+  /// An approximate frame within the coefficient budget.
   FrameReport render_moving(const DesignState& state, Rgb8Image& frame);
 
   /// The exact frame: one fresh full product in canonical order, the code path of `rimlight
-  /// render`. `abandon` is asked between tiles; when it answers true, nothing more is done, the
-  /// frame is not touched and false comes back.
+  /// render`: the same bytes for the same state, whatever came before. `abandon` is asked between
+  /// tiles, from several threads at once; when it answers true, nothing more is done, the frame is
+  /// not touched and false comes back.
   bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
                     const std::function<bool()>& abandon = {});
 
-  /// The same image as linear radiance, composited, before exposure and tone mapping (for .exr output).
+  /// The exact frame as linear radiance, composited, before exposure and tone mapping.
   void render_radiance(const DesignState& state, RgbImage& image, FrameReport& report);
-
-  /// Makes one more environment known beside the bake's own (a file given to `rimlight render --light`);
-  /// its exposure_scale is found by one full product (auto_exposure_scale over the covered receivers).
-  /// A name that exists already is replaced.
-  void add_environment(std::shared_ptr<const Environment> environment);
 
   const Bake& bake() const;
 

@@ -31,4 +31,3 @@ class TemporaryFolder {
 };
 
 }  // namespace rimlight::test
-

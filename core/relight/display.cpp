@@ -1,0 +1,77 @@
+#include "core/relight/display.h"
+
+#include <algorithm>
+
+#include "core/base/parallel.h"
+#include "core/image/tone_map.h"
+
+namespace rimlight {
+namespace {
+
+void add_background(std::span<const BackgroundPixels::Pixel> pixels, const BackgroundMap& map,
+                    const Matrix3& to_source, TileImage& image) {
+  const Vec3f rows[3] = {Vec3f(to_source.row[0]), Vec3f(to_source.row[1]), Vec3f(to_source.row[2])};
+  for (const BackgroundPixels::Pixel& pixel : pixels) {
+    const Vec3f& d = pixel.direction;
+    const Vec3f radiance =
+        pixel.share * map.at({dot(rows[0], d), dot(rows[1], d), dot(rows[2], d)});
+    const std::size_t at = pixel.y * TileImage::kSide + pixel.x;
+    for (std::size_t c = 0; c < 3; ++c) image.channel[c][at] += radiance[static_cast<int>(c)];
+  }
+}
+
+}  // namespace
+
+Display::Display(const PixelLayout& layout, const Camera& camera, std::span<const float> coverage)
+    : layout_(layout), background_pixels_(layout, camera, coverage) {}
+
+template <typename Visit>
+void Display::for_each_tile(const Relighter& relighter, const Background& background,
+                            const Visit& visit) const {
+  const Matrix3 to_source = matrix(conjugate(background.rotation));
+  const auto show_tile = [&](std::size_t tile) {
+    alignas(64) std::array<float, kTileFloats> radiance;
+    TileImage image;
+    relighter.sum_bands(tile, radiance);
+    rows_from_blocks(radiance, image);
+    add_background(background_pixels_.of_tile(tile), background.map, to_source, image);
+    const auto [left, top] = layout_.pixel(tile * kTileReceivers);
+    visit(Place{left, top, std::min(PixelLayout::kTileSide, layout_.width - left),
+                std::min(PixelLayout::kTileSide, layout_.height - top)},
+          image);
+  };
+  parallel_for(relighter.tile_count(), std::cref(show_tile));
+}
+
+void Display::show(const Relighter& relighter, const Background& background, float scale,
+                   Rgb8Image& frame) const {
+  frame.resize(layout_.width, layout_.height);
+  for_each_tile(relighter, background, [&](const Place& place, const TileImage& image) {
+    const auto width = static_cast<std::size_t>(place.width);
+    for (int y = 0; y < place.height; ++y) {
+      const auto row = [&](std::size_t c) {
+        return std::span(image.channel[c])
+            .subspan(static_cast<std::size_t>(y) * TileImage::kSide, width);
+      };
+      const auto at = static_cast<std::size_t>((place.top + y) * layout_.width + place.left);
+      tone_map(row(0), row(1), row(2), scale, std::span(frame.bytes).subspan(3 * at, 3 * width));
+    }
+  });
+}
+
+void Display::show(const Relighter& relighter, const Background& background,
+                   RgbImage& image) const {
+  image = RgbImage(layout_.width, layout_.height);
+  for_each_tile(relighter, background, [&](const Place& place, const TileImage& tile) {
+    for (int y = 0; y < place.height; ++y) {
+      for (int x = 0; x < place.width; ++x) {
+        const auto at =
+            static_cast<std::size_t>(y) * TileImage::kSide + static_cast<std::size_t>(x);
+        image.at(place.left + x, place.top + y) = {tile.channel[0][at], tile.channel[1][at],
+                                                   tile.channel[2][at]};
+      }
+    }
+  });
+}
+
+}  // namespace rimlight

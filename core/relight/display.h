@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "core/image/image.h"
+#include "core/math/camera.h"
+#include "core/relight/background.h"
+#include "core/relight/relighter.h"
+#include "core/relight/tile_image.h"
+#include "core/transport/receivers.h"
+
+namespace rimlight {
+
+/// B to pixels: sums the bands of a relighter, puts the environment behind what geometry leaves
+/// uncovered, tone-maps. Immutable; any thread; computes on all cores, allocates nothing.
+class Display {
+ public:
+  /// `coverage` [height][width] in [0, 1].
+  Display(const PixelLayout& layout, const Camera& camera, std::span<const float> coverage);
+
+  /// The environment as it stands behind the pixels.
+  struct Background {
+    const BackgroundMap& map;
+    Quaternion rotation;  // of the light
+  };
+
+  /// Pixels in sRGB; `scale` multiplies radiance. The frame is resized.
+  void show(const Relighter& relighter, const Background& background, float scale,
+            Rgb8Image& frame) const;
+  /// Pixels as linear radiance. The image is resized.
+  void show(const Relighter& relighter, const Background& background, RgbImage& image) const;
+
+ private:
+  /// Where a tile's pixels lie in the image, and how many of them are inside it.
+  struct Place {
+    int left, top, width, height;
+  };
+  template <typename Visit>
+  void for_each_tile(const Relighter& relighter, const Background& background,
+                     const Visit& visit) const;
+
+  PixelLayout layout_;
+  BackgroundPixels background_pixels_;
+};
+
+}  // namespace rimlight

@@ -1,0 +1,7 @@
+#include "core/image/image_file.h"
+#include "tests/fuzz/fuzz_target.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  return rimlight::fuzz::expect_result_or_error(
+      [&] { rimlight::decode_hdr(rimlight::fuzz::bytes_of(data, size), "input"); });
+}

@@ -1,0 +1,7 @@
+#include "core/image/codec.h"
+#include "tests/fuzz/fuzz_target.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  return rimlight::fuzz::expect_result_or_error(
+      [&] { rimlight::decode_jpeg(data, size, "input"); });
+}
