@@ -28,7 +28,7 @@ function(rimlight_library name)
   add_library(rimlight_${name} STATIC ${ARG_SOURCES})
   target_sources(rimlight_${name} PUBLIC
     FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
-  list(TRANSFORM ARG_USES REPLACE "^core_" "rimlight_core_")
+  list(TRANSFORM ARG_USES REPLACE "^(core_.+|server|cli)$" "rimlight_\\1")
   target_link_libraries(rimlight_${name} PUBLIC rimlight_flags ${ARG_USES} PRIVATE ${ARG_LIBRARIES})
 endfunction()
 

@@ -17,6 +17,7 @@
 #include "core/base/error.h"
 #include "core/image/image_file.h"
 #include "core/image/tone_map.h"
+#include "core/scene/ply_check.h"
 #include "core/scene/transform.h"
 
 namespace rimlight {
@@ -41,6 +42,7 @@ void check_file(const fs::path& path) {
   if (ending != ".obj" && ending != ".ply" && ending != ".gltf" && ending != ".glb") {
     throw Error(path.string(), "the ending " + quote(ending), ".obj, .ply, .gltf or .glb");
   }
+  if (ending == ".ply") check_ply(path);
 }
 
 /// Whether an index has to be looked at before assimp triangulates: it reads what they point to.

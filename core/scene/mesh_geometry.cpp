@@ -10,7 +10,7 @@
 namespace rimlight {
 namespace {
 
-constexpr double kFlattest = 1e-7;
+constexpr double kFlattest = 1e-6;
 
 using Triangle = std::array<std::uint32_t, 3>;
 

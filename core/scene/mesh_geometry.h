@@ -8,7 +8,7 @@
 
 namespace rimlight {
 
-/// Drops triangles that name a vertex twice or whose height is below 1e-7 of their longest side
+/// Drops triangles that name a vertex twice or whose height is below 1e-6 of their longest side
 /// (float coordinates say nothing about them), and returns how many.
 std::size_t drop_degenerate_triangles(Mesh& mesh);
 

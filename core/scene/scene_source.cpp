@@ -153,7 +153,8 @@ Defaults read_objects(const JsonReader& json, const ObjectContext& context, Scen
 Scene read_document(const JsonReader& json, const fs::path& folder) {
   json.allow_only({"$schema", "name", "camera", "materials", "objects", "environments", "bake"});
   Scene scene;
-  scene.name = json.has("name") ? read_name(json.member("name")) : fs::path(json.source()).stem();
+  scene.name =
+      json.has("name") ? read_name(json.member("name")) : fs::path(json.source()).stem().string();
   // Cheap parts first: a mistake in them should not wait for the meshes.
   if (const auto bake = json.optional_member("bake")) scene.bake = read_bake(*bake);
   std::optional<Camera> camera;

@@ -1,8 +1,10 @@
 #include "core/scene/shapes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "core/base/check.h"
@@ -60,8 +62,7 @@ Mesh lathe(std::span<const ProfilePoint> profile, int segments) {
   double walked = 0;
   for (std::size_t i = 0; i < profile.size(); ++i) {
     if (i > 0) walked += distance(profile[i - 1], profile[i]);
-    const ProfilePoint normal =
-        is_sharp_apex(profile, i) ? sharp_normal(profile, i) : profile_normal(profile, i);
+    const ProfilePoint normal = profile_normal(profile, i);
     for (std::uint32_t k = 0; k < row_size; ++k) {
       // The last column is the first one again, to the bit, with another u.
       const double phi = 2 * kPi * (k + 1 == row_size ? 0 : k) / segments;
