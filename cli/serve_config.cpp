@@ -25,9 +25,10 @@ void read_whole(const JsonReader& reader, const char* name, std::int64_t low, st
 }
 
 template <typename Duration>
-void read_duration(const JsonReader& reader, const char* name, std::int64_t high, Duration& value) {
+void read_duration(const JsonReader& reader, const char* name, std::int64_t low, std::int64_t high,
+                   Duration& value) {
   if (const auto member = reader.optional_member(name)) {
-    value = Duration(member->integer(0, high));
+    value = Duration(member->integer(low, high));
   }
 }
 
@@ -36,13 +37,13 @@ void read_network(const JsonReader& reader, server::NetworkSettings& network) {
   read_whole(reader, "port", 0, 65535, network.port);
   read_whole(reader, "network_threads", 1, 64, network.threads);
   read_whole(reader, "most_connections", 1, 100000, network.most_connections);
-  read_duration(reader, "idle_timeout_seconds", kLongestSeconds, network.idle_timeout);
+  read_duration(reader, "idle_timeout_seconds", 1, kLongestSeconds, network.idle_timeout);
 }
 
 void read_sessions(const JsonReader& reader, ServeConfig& config) {
   read_whole(reader, "most_sessions", 1, 100000, config.sessions.most_sessions);
-  read_duration(reader, "session_idle_seconds", kLongestSeconds, config.sessions.idle);
-  read_duration(reader, "quiet_ms", 60000, config.sessions.session.quiet);
+  read_duration(reader, "session_idle_seconds", 0, kLongestSeconds, config.sessions.idle);
+  read_duration(reader, "quiet_ms", 0, 60000, config.sessions.session.quiet);
   read_whole(reader, "jpeg_quality", 1, 100, config.sessions.session.jpeg_quality);
   read_whole(reader, "coefficients", 1, kMostCoefficients, config.relight.coefficient_budget);
   if (const auto policy = reader.optional_member("policy")) {

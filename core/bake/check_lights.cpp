@@ -1,7 +1,9 @@
 #include "core/bake/check_lights.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "core/image/metrics.h"
 #include "core/light/environment.h"
 #include "core/light/light_rotation.h"
 #include "core/math/random.h"
@@ -22,17 +24,29 @@ CubeLight one_texel(int size) {
 
 void add_turned(const CubeHaar& haar, const std::string& name, CubeLight texels,
                 std::vector<CheckLight>& lights) {
-  lights.push_back({name, to_coefficients(haar, texels)});
+  const std::size_t unrotated = lights.size();
+  lights.push_back({name, to_coefficients(haar, texels), unrotated});
   Random random(kRotationSeed);
   LightRotator rotator(std::move(texels));
   CubeLight turned;
   for (int i = 1; i <= kRotations; ++i) {
     rotator.rotate(random_rotation(random), turned);
-    lights.push_back({name + " turned " + std::to_string(i), to_coefficients(haar, turned)});
+    lights.push_back(
+        {name + " turned " + std::to_string(i), to_coefficients(haar, turned), unrotated});
   }
 }
 
 }  // namespace
+
+std::vector<double> check_exposures(const std::vector<CheckLight>& lights,
+                                    const LightImages& references) {
+  std::vector<double> scales;
+  for (const auto& reference : references) scales.push_back(auto_exposure_scale(reference));
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    scales[i] = std::min(scales[i], scales[lights[i].unrotated]);
+  }
+  return scales;
+}
 
 CubeLight to_coefficients(const CubeHaar& haar, CubeLight texels) {
   CubeLight coefficients(haar.size());

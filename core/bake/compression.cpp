@@ -82,23 +82,24 @@ LightImages reference_images(const TileStore& store) {
   return join(tiles, store.shape().lights);
 }
 
-std::vector<double> measure_psnr(const LightImages& images, const LightImages& references) {
+std::vector<double> measure_psnr(const LightImages& images, const LightImages& references,
+                                 const std::vector<double>& exposures) {
   std::vector<double> result(images.size());
   parallel_for(images.size(), [&](std::size_t light) {
-    result[light] =
-        display_psnr(images[light], references[light], auto_exposure_scale(references[light]));
+    result[light] = display_psnr(images[light], references[light], exposures[light]);
   });
   return result;
 }
 
 float choose_threshold(const TileStore& store, std::span<const CubeLight> lights,
-                       const LightImages& references, float first_threshold, double psnr_db) {
+                       const LightImages& references, const std::vector<double>& exposures,
+                       float first_threshold, double psnr_db) {
   const auto threshold_of = [first_threshold](int step) {
     return first_threshold * std::exp2(static_cast<float>(step) / 8);
   };
   const auto good = [&](int step) {
     const auto images = compressed_images(store, lights, threshold_of(step));
-    return worst(measure_psnr(images, references)) >= psnr_db;
+    return worst(measure_psnr(images, references, exposures)) >= psnr_db;
   };
   if (!good(0)) return 0;
   int holds = 0;

@@ -3,14 +3,12 @@
 #include <span>
 #include <vector>
 
+#include "core/bake/check_lights.h"
 #include "core/bake/tile_store.h"
 #include "core/light/cube_light.h"
 #include "core/math/vec.h"
 
 namespace rimlight {
-
-/// The images of all tiles' covered receivers under some lights: [light][receiver].
-using LightImages = std::vector<std::vector<Vec3f>>;
 
 /// Each covered receiver under each light, from the stored tiles pruned at `threshold`: what a bake
 /// of them would show. In parallel over tiles; memory: the images and one tile a thread.
@@ -20,12 +18,14 @@ LightImages compressed_images(const TileStore& store, std::span<const CubeLight>
 /// The same from the check images: made before anything was left out.
 LightImages reference_images(const TileStore& store);
 
-/// Display-referred PSNR of each light's image against its reference, in dB.
-std::vector<double> measure_psnr(const LightImages& images, const LightImages& references);
+/// Display-referred PSNR of each light's image against its reference at its exposure, in dB.
+std::vector<double> measure_psnr(const LightImages& images, const LightImages& references,
+                                 const std::vector<double>& exposures);
 
 /// The largest threshold of first_threshold · 2^(k/8), k = 0 … 16, at which every light still has
 /// `psnr_db`; 0 when the first has not.
 float choose_threshold(const TileStore& store, std::span<const CubeLight> lights,
-                       const LightImages& references, float first_threshold, double psnr_db);
+                       const LightImages& references, const std::vector<double>& exposures,
+                       float first_threshold, double psnr_db);
 
 }  // namespace rimlight

@@ -51,8 +51,9 @@ class ImageBake {
       trace_tiles(store, threshold);
       report("compressing", 0);
       const LightImages references = reference_images(store);
-      const float chosen = choose_threshold(store, baker_.check_lights(), references, threshold,
-                                            scene_->bake.psnr_db);
+      const auto exposures = check_exposures(lights_, references);
+      const float chosen = choose_threshold(store, baker_.check_lights(), references, exposures,
+                                            threshold, scene_->bake.psnr_db);
       if (chosen > 0) {
         write(store, references, chosen, start);
         return summary_;
@@ -84,8 +85,8 @@ class ImageBake {
     if (sample.empty()) {
       throw Error(scene_->name, "a camera that sees no geometry", "an object in the picture");
     }
-    const double threshold = pilot_threshold(baker_, sample, baker_.check_lights(),
-                                             scene_->bake.psnr_db + kPilotMarginDb);
+    const double threshold =
+        pilot_threshold(baker_, sample, lights_, scene_->bake.psnr_db + kPilotMarginDb);
     return static_cast<float>(threshold * kFirstThresholdShare);
   }
 
@@ -131,7 +132,8 @@ class ImageBake {
              Clock::time_point start) {
     report("writing", 0);
     const auto images = compressed_images(store, baker_.check_lights(), threshold);
-    const std::vector<double> psnr = measure_psnr(images, references);
+    const std::vector<double> psnr =
+        measure_psnr(images, references, check_exposures(lights_, references));
     summary_.blocks = write_transport(writer_, store, baker_.layout(), threshold);
     write_environments(writer_, store, *scene_, threshold);
     writer_.commit(describe(psnr, threshold));

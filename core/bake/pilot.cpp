@@ -31,7 +31,7 @@ struct PilotGroup {
   std::array<bool, kGroupLanes> seen{};
 };
 
-void split_by_level(const BakedGroup& group, const std::vector<CubeLight>& lights,
+void split_by_level(const BakedGroup& group, const std::vector<CheckLight>& lights,
                     PilotGroup& result) {
   const std::size_t columns = group.coefficients.values.size() / kRowLanes;
   result.by_level.assign(kLevels * lights.size() * kRowLanes, 0.0f);
@@ -47,7 +47,7 @@ void split_by_level(const BakedGroup& group, const std::vector<CubeLight>& light
       if (largest == 0) continue;
       const auto level = static_cast<std::size_t>(level_of(largest));
       for (std::size_t light = 0; light < lights.size(); ++light) {
-        const Vec3f value = lights[light].at(column);
+        const Vec3f value = lights[light].coefficients.at(column);
         float* const sum =
             result.by_level.data() + (level * lights.size() + light) * kRowLanes + block;
         for (std::size_t c = 0; c < 3; ++c) {
@@ -93,7 +93,7 @@ std::vector<std::size_t> sample_groups(const GroupBaker& baker, std::size_t coun
 }
 
 double pilot_threshold(const GroupBaker& baker, const std::vector<std::size_t>& first_receivers,
-                       const std::vector<CubeLight>& lights, double psnr_db) {
+                       const std::vector<CheckLight>& lights, double psnr_db) {
   std::vector<PilotGroup> groups(first_receivers.size());
   parallel_for(groups.size(), [&](std::size_t i) {
     BakedGroup baked(baker.haar().size(), lights.size());
@@ -104,13 +104,12 @@ double pilot_threshold(const GroupBaker& baker, const std::vector<std::size_t>& 
     groups[i].whole = baked.check_images;
     split_by_level(baked, lights, groups[i]);
   });
-  std::vector<std::vector<Vec3f>> references;
-  std::vector<double> scales;
+  LightImages references;
   for (std::size_t light = 0; light < lights.size(); ++light) {
     references.push_back(
         collect(groups, light, [](const PilotGroup& g) { return g.whole.data(); }));
-    scales.push_back(auto_exposure_scale(references.back()));
   }
+  const std::vector<double> scales = check_exposures(lights, references);
   // From the largest blocks down: what is left out shrinks until every light is good enough.
   const std::size_t stride = lights.size() * kRowLanes;
   for (int level = kLevels - 1; level >= 0; --level) {

@@ -17,6 +17,6 @@ std::vector<std::size_t> sample_groups(const GroupBaker& baker, std::size_t coun
 /// magnitude of the blocks it comes from, in half octaves, so that one bake tells every threshold.
 /// Returns 0 when no threshold is small enough.
 double pilot_threshold(const GroupBaker& baker, const std::vector<std::size_t>& first_receivers,
-                       const std::vector<CubeLight>& lights, double psnr_db);
+                       const std::vector<CheckLight>& lights, double psnr_db);
 
 }  // namespace rimlight

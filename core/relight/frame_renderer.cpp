@@ -14,13 +14,12 @@
 #include "core/relight/background.h"
 #include "core/relight/display.h"
 #include "core/relight/policy.h"
+#include "core/relight/prepared_environment.h"
 #include "core/relight/relighter.h"
 
 namespace rimlight {
 namespace {
 
-/// Texels a side of the environment behind the pixels: finer than any light.
-constexpr int kBackgroundSize = 256;
 constexpr double kUnitTolerance = 1e-3;  // a client's quaternion comes through decimal digits
 
 std::unique_ptr<UpdatePolicy> make_policy(PolicyKind kind) {
@@ -41,13 +40,13 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-/// An environment, ready for frames.
+/// An environment, ready for this renderer's frames.
 struct Light {
+  std::shared_ptr<const PreparedEnvironment> prepared;
   LightRotator rotator;
-  BackgroundMap background;
 
-  Light(const Environment& environment, int cube_size)
-      : rotator(environment.project(cube_size)), background(environment.project(kBackgroundSize)) {}
+  explicit Light(std::shared_ptr<const PreparedEnvironment> prepared_)
+      : prepared(std::move(prepared_)), rotator(prepared->texels) {}
 };
 
 }  // namespace
@@ -92,7 +91,10 @@ struct FrameRenderer::State {
   Light& light(const std::string& name) {
     const auto found = lights.find(name);
     if (found != lights.end()) return found->second;
-    return lights.try_emplace(name, *environment(name).environment, haar.size()).first->second;
+    return lights
+        .try_emplace(name, prepare_environment(environment(name).environment,
+                                               {haar.size(), settings.background_size}))
+        .first->second;
   }
 
   /// The light's coefficients in this rotation.
@@ -116,8 +118,8 @@ struct FrameRenderer::State {
   }
 
   void show(const DesignState& state, const Quaternion& rotation, Rgb8Image& frame) {
-    display.show(relighter, {light(state.environment).background, rotation}, exposure_of(state),
-                 frame);
+    display.show(relighter, {light(state.environment).prepared->background, rotation},
+                 exposure_of(state), frame);
   }
 
   /// The exact image of a state in the relighter; false when abandoned.
@@ -179,6 +181,12 @@ FrameRenderer::~FrameRenderer() = default;
 
 const Bake& FrameRenderer::bake() const { return *state_->bake; }
 
+void FrameRenderer::prepare(const Bake& bake, const RelightSettings& settings) {
+  for (const BakedEnvironment& baked : bake.environments()) {
+    prepare_environment(baked.environment, {bake.manifest().cube_size, settings.background_size});
+  }
+}
+
 void FrameRenderer::add_environment(std::shared_ptr<const Environment> environment) {
   const std::string name = environment->name();
   state_->lights.erase(name);
@@ -224,8 +232,8 @@ void FrameRenderer::render_radiance(const DesignState& state, RgbImage& image,
   const Quaternion rotation = checked_rotation(state);
   RIMLIGHT_CHECK(state_->relight_exactly(state, rotation, report, {}));
   Stopwatch watch;
-  state_->display.show(state_->relighter, {state_->light(state.environment).background, rotation},
-                       image);
+  state_->display.show(state_->relighter,
+                       {state_->light(state.environment).prepared->background, rotation}, image);
   report.display_ms = watch.lap_ms();
 }
 

@@ -17,6 +17,7 @@ enum class PolicyKind { nwa, pbi };
 struct RelightSettings {
   PolicyKind policy = PolicyKind::pbi;
   std::size_t coefficient_budget = 30;
+  int background_size = 256;  // texels a side of the cube map of the environment behind the pixels
 };
 
 /// How one frame came about.
@@ -46,6 +47,10 @@ class FrameRenderer {
 
   FrameRenderer(std::shared_ptr<const Bake> bake, const RelightSettings& settings);
   ~FrameRenderer();
+
+  /// Projects all environments of a bake now, for every renderer of it: else the first frame of
+  /// each environment does, and takes a second for it. Any thread.
+  static void prepare(const Bake& bake, const RelightSettings& settings);
 
   /// An environment beside those of the bake; in the place of one of the same name. Its exposure is
   /// found as a bake finds it: 0 stops take the mean of the covered pixels, unrotated, to 0.18.

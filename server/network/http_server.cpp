@@ -71,6 +71,14 @@ void log_failure(const std::exception_ptr& failure) {
   }
 }
 
+/// With the port that it really has.
+std::string address_of(const Tcp::acceptor& acceptor) {
+  const Tcp::endpoint endpoint = acceptor.local_endpoint();
+  const std::string host = endpoint.address().to_string();
+  return "http://" + (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" +
+         std::to_string(endpoint.port());
+}
+
 }  // namespace
 
 struct HttpServer::State {
@@ -79,6 +87,7 @@ struct HttpServer::State {
         sessions(sessions_),
         context(settings_.threads),
         acceptor(listening(context, settings)),
+        address(address_of(acceptor)),
         signals(acceptor.get_executor()),
         timer(acceptor.get_executor()),
         site{settings, files, sessions_, gate} {}
@@ -87,8 +96,9 @@ struct HttpServer::State {
   SessionRegistry& sessions;
   StopGate gate;  // outlives the coroutines that the context destroys after a hard stop
   net::io_context context;
-  // On the acceptor's strand:
+  // The acceptor and what follows, but the address, are its strand's.
   Tcp::acceptor acceptor;
+  const std::string address;
   net::signal_set signals;
   net::steady_timer timer;  // of the housekeeping
   bool stopping = false;
@@ -171,12 +181,7 @@ HttpServer::HttpServer(const NetworkSettings& settings, const StaticFiles& files
 
 HttpServer::~HttpServer() = default;
 
-std::string HttpServer::address() const {
-  const Tcp::endpoint endpoint = state_->acceptor.local_endpoint();
-  const std::string host = endpoint.address().to_string();
-  return "http://" + (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" +
-         std::to_string(endpoint.port());
-}
+std::string HttpServer::address() const { return state_->address; }
 
 void HttpServer::run(Signals signals) {
   State& state = *state_;

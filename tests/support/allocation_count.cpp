@@ -7,6 +7,7 @@ namespace {
 
 thread_local std::size_t count = 0;
 
+#ifndef RIMLIGHT_THREAD_SANITIZER
 void* counted(std::size_t size, std::size_t alignment) {
   ++count;
   const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
@@ -14,6 +15,7 @@ void* counted(std::size_t size, std::size_t alignment) {
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
+#endif
 
 }  // namespace
 
@@ -23,6 +25,7 @@ std::size_t allocation_count() { return count; }
 
 }  // namespace rimlight::test
 
+#ifndef RIMLIGHT_THREAD_SANITIZER
 // The other forms of new and delete end in these.
 void* operator new(std::size_t size) { return counted(size, alignof(std::max_align_t)); }
 void* operator new(std::size_t size, std::align_val_t alignment) {
@@ -32,3 +35,4 @@ void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+#endif

@@ -4,8 +4,15 @@
 
 namespace rimlight::test {
 
+// ThreadSanitizer brings an operator new that cannot be replaced.
+#ifdef RIMLIGHT_THREAD_SANITIZER
+inline constexpr bool kCountsAllocations = false;
+#else
+inline constexpr bool kCountsAllocations = true;
+#endif
+
 /// How often the calling thread has called operator new so far, in a binary that links
-/// allocation_count.cpp.
+/// allocation_count.cpp; always 0 without kCountsAllocations.
 std::size_t allocation_count();
 
 }  // namespace rimlight::test

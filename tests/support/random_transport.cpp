@@ -31,7 +31,7 @@ std::vector<float> random_rows(const RandomTransport& settings, std::size_t tile
       for (std::size_t i = 0; i < kBlockFloats; ++i) {
         rows[column * kRow + i / kBlockReceivers * PixelLayout::kGroupReceivers +
              block * kBlockReceivers + i % kBlockReceivers] =
-            static_cast<float>(size * random.uniform(-1, 1));
+            static_cast<float>(size * random.uniform(settings.lowest, 1));
       }
     }
   }

@@ -12,12 +12,13 @@ namespace rimlight::test {
 struct RandomTransport {
   std::size_t tile_count = 1;
   std::size_t column_count = 24;
-  double density = 0.05;       // share of blocks that are not zero
+  double density = 0.05;  // share of blocks that are not zero
+  double lowest = -1;     // of values before their block's size: −1 for both signs, 0 for one
   double empty_columns = 0.2;  // share of columns without any block in a tile
   std::uint64_t seed = 1;
 };
 
-/// Made through TileBuilder: values of both signs over six decades. Some columns have no block,
+/// Made through TileBuilder: values over six decades. Some columns have no block,
 /// some all.
 std::vector<TileTransport> random_tiles(const RandomTransport& settings);
 Transport random_transport(const RandomTransport& settings);

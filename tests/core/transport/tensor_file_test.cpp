@@ -10,6 +10,7 @@
 #include "core/base/check.h"
 #include "core/base/files.h"
 #include "core/math/random.h"
+#include "tests/support/overwrite.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rimlight {
@@ -48,7 +49,7 @@ std::string read(const std::filesystem::path& path) { return read_file(path, SIZ
 
 /// Opens a file with these bytes and the right hashes: what a hostile writer could make.
 void open_bytes(const std::filesystem::path& path, const std::string& bytes) {
-  write_file_atomically(path, bytes);
+  test::overwrite(path, bytes);
   TensorFileSummary summary{bytes.size(), {}};
   const auto all = std::as_bytes(std::span(bytes));
   for (std::size_t begin = 0; begin < all.size(); begin += kHashedBlock) {
@@ -134,7 +135,7 @@ TEST(TensorFile, AFlippedBitAnywhereIsFoundAtFirstTouchOfItsBlock) {
     std::string bad = good;
     const std::size_t byte = i < 10 ? static_cast<std::size_t>(i) : random.below(bad.size());
     bad[byte] = static_cast<char>(bad[byte] ^ (1 << random.below(8)));
-    write_file_atomically(path, bad);
+    test::overwrite(path, bad);
     try {
       const TensorFile file(path, summary);
       EXPECT_GE(byte, kHashedBlock) << "the header's block is touched on opening";
@@ -164,7 +165,7 @@ TEST(TensorFile, TwoBlocksThatChangePlacesAreFound) {
   std::string bytes = read(path);
   std::swap_ranges(bytes.begin() + kHashedBlock, bytes.begin() + 2 * kHashedBlock,
                    bytes.begin() + 2 * kHashedBlock);
-  write_file_atomically(path, bytes);
+  test::overwrite(path, bytes);
   EXPECT_THROW(TensorFile(path, summary).verify(), Error);
 }
 
@@ -175,10 +176,10 @@ TEST(TensorFile, OfAnotherLengthIsRefused) {
   const std::string good = read(path);
   for (const std::size_t size :
        {std::size_t{0}, std::size_t{7}, std::size_t{100}, good.size() - 1}) {
-    write_file_atomically(path, good.substr(0, size));
+    test::overwrite(path, good.substr(0, size));
     EXPECT_THROW(TensorFile(path, summary), Error) << size;
   }
-  write_file_atomically(path, good + "x");
+  test::overwrite(path, good + "x");
   EXPECT_THROW(TensorFile(path, summary), Error);
   std::filesystem::remove(path);
   EXPECT_THROW(TensorFile(path, summary), Error);

@@ -1,0 +1,342 @@
+#include "core/transport/bake_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/files.h"
+#include "core/math/random.h"
+#include "core/transport/bake_manifest.h"
+#include "tests/support/overwrite.h"
+#include "tests/support/small_bake.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rimlight {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+std::string read(const fs::path& path) { return read_file(path, SIZE_MAX); }
+
+/// Writes a manifest with its hash, as somebody with an editor and xxh64sum could.
+void write_manifest(const fs::path& folder, const std::string& text) {
+  test::overwrite(folder / kManifestFile, text);
+  test::overwrite(folder / kManifestHashFile, manifest_hash_line(text));
+}
+
+/// Replaces one tensor file with `bytes`, manifest and hashes made to match.
+void forge_file(const fs::path& folder, const std::string& name, const std::string& bytes) {
+  test::overwrite(folder / name, bytes);
+  TensorFileSummary summary{bytes.size(), {}};
+  const auto all = std::as_bytes(std::span(bytes));
+  for (std::size_t begin = 0; begin < all.size(); begin += kHashedBlock) {
+    const auto block = all.subspan(begin, std::min(kHashedBlock, all.size() - begin));
+    summary.block_hashes.push_back(hash_bytes(block, summary.block_hashes.size()));
+  }
+  auto manifest = nlohmann::json::parse(read(folder / kManifestFile));
+  manifest["files"][name] = summary.to_json();
+  write_manifest(folder, manifest.dump());
+}
+
+/// What opening says, or "" when it opens.
+std::string error_of_opening(const fs::path& folder) {
+  try {
+    Bake(folder).verify();
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+TEST(BakeFolder, GivesBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  const test::SmallBake settings;
+  test::write_small_bake(folder / "a.bake", settings);
+  const Bake bake(folder / "a.bake");
+  bake.verify();
+  EXPECT_EQ(bake.manifest().scene, "small");
+  EXPECT_EQ(bake.manifest().pixels.width, 70);
+  EXPECT_EQ(bake.manifest().pixels.height, 66);
+  EXPECT_EQ(bake.manifest().cube_size, 4);
+  EXPECT_EQ(bake.manifest().camera.position, Vec3d(1, 2, 6));
+  EXPECT_EQ(bake.manifest().settings["seed"], 1);
+  EXPECT_EQ(bake.manifest().measured["psnr_db"], 51.5);
+  EXPECT_EQ(bake.manifest().left_out["blocks"], 7);
+  const auto coverage = test::small_coverage(settings);
+  ASSERT_EQ(bake.coverage().size(), coverage.size());
+  for (std::size_t i = 0; i < coverage.size(); ++i) {
+    ASSERT_NEAR(bake.coverage()[i], coverage[i], 0.5 / 255 + 1e-6);
+    ASSERT_EQ(bake.coverage()[i] == 1, coverage[i] == 1);
+  }
+  const auto tiles = test::small_tiles(settings);
+  ASSERT_EQ(bake.transport().tile_count(), tiles.size());
+  const Transport expected(tiles);
+  const auto& found_arrays = bake.transport().arrays();
+  const auto& arrays = expected.view().arrays();
+  EXPECT_TRUE(std::ranges::equal(found_arrays.tile_first_block, arrays.tile_first_block));
+  EXPECT_TRUE(std::ranges::equal(found_arrays.column_offset, arrays.column_offset));
+  EXPECT_TRUE(std::ranges::equal(found_arrays.column_scale, arrays.column_scale));
+  EXPECT_TRUE(std::ranges::equal(found_arrays.block_index, arrays.block_index));
+  EXPECT_TRUE(std::ranges::equal(found_arrays.values, arrays.values));
+  EXPECT_GT(arrays.values.size(), 0u);
+}
+
+TEST(BakeFolder, KeepsEnvironmentsBitForBit) {
+  const TemporaryFolder folder;
+  test::write_small_bake(folder / "a.bake", {});
+  const Bake bake(folder / "a.bake");
+  const auto expected = test::small_environments();
+  ASSERT_EQ(bake.environments().size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const BakedEnvironment& found = bake.environments()[i];
+    EXPECT_EQ(found.environment->name(), expected[i].environment->name());
+    EXPECT_EQ(found.environment->layout(), expected[i].environment->layout());
+    EXPECT_EQ(found.exposure_scale, expected[i].exposure_scale);
+    EXPECT_EQ(found.environment->image().width, expected[i].environment->image().width);
+    EXPECT_EQ(found.environment->image().pixels, expected[i].environment->image().pixels);
+  }
+}
+
+TEST(BakeFolder, TheSameBakeHasTheSameBytes) {
+  const TemporaryFolder folder;
+  test::write_small_bake(folder / "a.bake", {});
+  test::write_small_bake(folder / "b.bake", {});
+  const Bake bake(folder / "a.bake");
+  EXPECT_GE(bake.files().size(), 6u);
+  for (const auto& [name, bytes] : bake.files()) {
+    EXPECT_EQ(read(folder / "a.bake" / name), read(folder / "b.bake" / name)) << name;
+    EXPECT_EQ(bytes, fs::file_size(folder / "a.bake" / name)) << name;
+  }
+}
+
+TEST(BakeFolder, AFlippedBitInAnyFileIsAnErrorThatNamesTheFile) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.bake";
+  test::write_small_bake(path, {});
+  ASSERT_EQ(error_of_opening(path), "");
+  Random random(11);
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(path)) {
+    ++files;
+    const std::string name = entry.path().filename().string();
+    const std::string good = read(entry.path());
+    for (int i = 0; i < 25; ++i) {
+      std::string bad = good;
+      char& byte = bad[random.below(bad.size())];
+      byte = static_cast<char>(byte ^ (1 << random.below(8)));
+      test::overwrite(entry.path(), bad);
+      EXPECT_THAT(error_of_opening(path),
+                  testing::HasSubstr("manifest.json.xxh64" == name ? "manifest.json" : name));
+    }
+    test::overwrite(entry.path(), good);
+  }
+  EXPECT_EQ(files, 6);
+  EXPECT_EQ(error_of_opening(path), "");
+}
+
+TEST(BakeFolder, ATruncatedOrMissingFileIsAnErrorThatNamesIt) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.bake";
+  test::write_small_bake(path, {});
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(path)) files.push_back(entry.path());
+  for (const fs::path& file : files) {
+    const std::string name = file.filename().string(), good = read(file);
+    for (const std::size_t size : {std::size_t{0}, good.size() / 2, good.size() - 1}) {
+      test::overwrite(file, good.substr(0, size));
+      EXPECT_THAT(error_of_opening(path),
+                  testing::HasSubstr("manifest.json.xxh64" == name ? "manifest.json" : name));
+    }
+    fs::remove(file);
+    EXPECT_THAT(error_of_opening(path), testing::HasSubstr(name));
+    test::overwrite(file, good);
+  }
+  EXPECT_EQ(error_of_opening(path), "");
+  EXPECT_NE(error_of_opening(folder / "none.bake"), "");
+}
+
+TEST(BakeFolder, AManifestFieldThatIsNotAsPromisedIsNamed) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.bake";
+  test::write_small_bake(path, {});
+  const auto good = nlohmann::json::parse(read(path / kManifestFile));
+  struct Change {
+    const char* pointer;
+    nlohmann::json value;
+    const char* named;
+  };
+  const auto null = nlohmann::json();
+  const std::vector<Change> changes = {
+      {"/version", 2, "/version"},
+      {"/version", "1", "/version"},
+      {"/kind", "vertex_sh", "/kind"},
+      {"/scene", 3, "/scene"},
+      {"/width", 0, "/width"},
+      {"/width", 100000, "/width"},
+      {"/width", 71, ""},  // still four tiles: the coverage does not fit
+      {"/width", 700, "tile_first_block"},
+      {"/height", -1, "/height"},
+      {"/cube_size", 5, "/cube_size"},
+      {"/cube_size", 8, "column_offset"},
+      {"/cube_size", 4096, "/cube_size"},
+      {"/camera/position", {0, 0}, "/camera/position"},
+      {"/camera/target", {1, 2, 6}, "/camera"},
+      {"/camera/up", {1e300, 0, 0}, "/camera/up/0"},
+      {"/camera/vertical_field_of_view_degrees", 180, "/camera/vertical"},
+      {"/camera/lens", 50, "lens"},
+      {"/settings", null, "/settings"},
+      {"/more", 1, "more"},
+      {"/environments", nlohmann::json::array(), "/environments"},
+      {"/environments/0/file", "no.safetensors", "no.safetensors"},
+      {"/environments/0/file", "transport.safetensors", "radiance"},
+      {"/environments/0/name", "room", "/environments/1/name"},
+      {"/environments/0/layout", "automatic", "/environments/0/layout"},
+      {"/environments/0/exposure_scale", 0, "/environments/0/exposure_scale"},
+      {"/environments/0/exposure_scale", "1", "/environments/0/exposure_scale"},
+      {"/files/transport.safetensors/bytes", 5, "/files/transport.safetensors"},
+      {"/files/transport.safetensors/xxh64/0", "0", "/files/transport.safetensors/xxh64/0"},
+      {"/files/pixels.safetensors", null, "/files/pixels.safetensors"},
+      {"/files/..~1evil", {{"bytes", 0}, {"xxh64", nlohmann::json::array()}}, "/files/..~1evil"},
+      {"/files", nlohmann::json::object(), "transport.safetensors"},
+  };
+  for (const Change& change : changes) {
+    auto manifest = good;
+    manifest[nlohmann::json::json_pointer(change.pointer)] = change.value;
+    write_manifest(path, manifest.dump());
+    const std::string error = error_of_opening(path);
+    EXPECT_NE(error, "") << change.pointer << " " << change.value;
+    EXPECT_THAT(error, testing::HasSubstr(change.named)) << change.pointer;
+    EXPECT_THAT(error, testing::HasSubstr("a.bake"));
+  }
+  for (const auto& [name, value] : good.items()) {
+    auto manifest = good;
+    manifest.erase(name);
+    write_manifest(path, manifest.dump());
+    EXPECT_THAT(error_of_opening(path), testing::HasSubstr("\"" + name + "\""));
+  }
+  for (const char* text : {"", "[]", "{", "null"}) {
+    write_manifest(path, text);
+    EXPECT_THAT(error_of_opening(path), testing::HasSubstr(kManifestFile)) << text;
+  }
+  write_manifest(path, good.dump());
+  EXPECT_EQ(error_of_opening(path), "");
+}
+
+/// The bytes of a tensor file of transport with something changed, its hashes right.
+using Edit = std::function<void(TileTransport&)>;
+std::string error_of_forged_transport(const fs::path& path, const fs::path& scratch,
+                                      const Edit& edit) {
+  auto tiles = test::small_tiles({});
+  edit(tiles[1]);
+  {
+    BakeWriter writer(scratch);
+    writer.add_transport(tiles.size(),
+                         [&](std::size_t t) -> const TileTransport& { return tiles[t]; });
+    forge_file(path, kTransportFile, read(writer.partial_folder() / kTransportFile));
+  }
+  return error_of_opening(path);
+}
+
+TEST(BakeFolder, TransportThatWouldLeadTheKernelAstrayIsRefused) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.bake", scratch = folder / "b.bake";
+  test::write_small_bake(path, {});
+  const auto error = [&](const Edit& edit) {
+    return error_of_forged_transport(path, scratch, edit);
+  };
+  ASSERT_EQ(error([](TileTransport&) {}), "");
+  const auto last_of_long_run = [](TileTransport& t) {
+    std::size_t column = 0;
+    while (t.column_offset[column + 1] - t.column_offset[column] < 2) ++column;
+    return t.column_offset[column + 1] - 1;
+  };
+  EXPECT_THAT(error([](TileTransport& t) { t.value[5] = 0x7c00; }), testing::HasSubstr("value"));
+  EXPECT_THAT(error([](TileTransport& t) { t.value.back() = 0xfe01; }),
+              testing::HasSubstr("value"));
+  EXPECT_THAT(error([](TileTransport& t) { t.block_index.back() = 512; }),
+              testing::HasSubstr("block_index"));
+  EXPECT_THAT(error([&](TileTransport& t) {
+                const auto i = last_of_long_run(t);
+                t.block_index[i] = t.block_index[i - 1];
+              }),
+              testing::HasSubstr("block_index"));
+  EXPECT_THAT(error([](TileTransport& t) { t.column_offset[0] = 1; }),
+              testing::HasSubstr("column_offset"));
+  EXPECT_THAT(error([](TileTransport& t) { t.column_offset.back() += 1; }),
+              testing::HasSubstr("column_offset"));
+  EXPECT_THAT(error([](TileTransport& t) { t.column_offset[40] = 0xffffffff; }),
+              testing::HasSubstr("column_offset"));
+  for (const float bad :
+       {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN(), -1.0f}) {
+    EXPECT_THAT(error([bad](TileTransport& t) { t.column_scale[9] = bad; }),
+                testing::HasSubstr("column_scale[1][9]"));
+  }
+}
+
+TEST(BakeFolder, EnvironmentsThatAreNotRadianceAreRefused) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.bake";
+  test::write_small_bake(path, {});
+  const std::string good = read(path / "environment_0.safetensors");
+  for (const float bad :
+       {std::numeric_limits<float>::infinity(), -1.0f, std::numeric_limits<float>::quiet_NaN()}) {
+    std::string bytes = good;
+    std::memcpy(bytes.data() + bytes.size() - sizeof bad, &bad, sizeof bad);
+    forge_file(path, "environment_0.safetensors", bytes);
+    EXPECT_THAT(error_of_opening(path), testing::HasSubstr("environment_0.safetensors: pixel 127"));
+  }
+  TensorFileWriter writer(path / "environment_0.safetensors",
+                          {{"radiance", ElementType::f32, {8, 16, 4}}});
+  writer.append(std::span<const float>(std::vector<float>(8 * 16 * 4)));
+  writer.finish();
+  forge_file(path, "environment_0.safetensors", read(path / "environment_0.safetensors"));
+  EXPECT_THAT(error_of_opening(path), testing::HasSubstr("shape [8, 16, 4]"));
+}
+
+TEST(Part, ComesBackAndOnlyForItsOwnFingerprint) {
+  const TemporaryFolder folder;
+  const auto tile = test::small_tiles({}).front();
+  const fs::path path = folder / "tile-0.part";
+  EXPECT_FALSE(load_part(path, tile.column_count(), 5).has_value());
+  save_part(path, tile, 5);
+  const auto back = load_part(path, tile.column_count(), 5);
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(*back, tile);
+  EXPECT_FALSE(load_part(path, tile.column_count(), 6).has_value());
+  EXPECT_FALSE(load_part(path, tile.column_count() + 1, 5).has_value());
+}
+
+TEST(Part, OfWhichAnyBitIsFlippedOrMissingIsNotLoaded) {
+  const TemporaryFolder folder;
+  const auto tile = test::small_tiles({}).front();
+  const fs::path path = folder / "tile-0.part";
+  save_part(path, tile, 5);
+  Random random(2);
+  for (const fs::path& file : {path, fs::path(path.string() + ".json")}) {
+    const std::string good = read(file);
+    for (int i = 0; i < 100; ++i) {
+      std::string bad = good;
+      char& byte = bad[random.below(bad.size())];
+      byte = static_cast<char>(byte ^ (1 << random.below(8)));
+      test::overwrite(file, bad);
+      EXPECT_FALSE(load_part(path, tile.column_count(), 5).has_value()) << file << " " << i;
+    }
+    test::overwrite(file, good.substr(0, good.size() / 2));
+    EXPECT_FALSE(load_part(path, tile.column_count(), 5).has_value());
+    fs::remove(file);
+    EXPECT_FALSE(load_part(path, tile.column_count(), 5).has_value());
+    test::overwrite(file, good);
+    EXPECT_TRUE(load_part(path, tile.column_count(), 5).has_value());
+  }
+}
+
+}  // namespace
+}  // namespace rimlight
