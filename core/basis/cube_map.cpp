@@ -37,7 +37,8 @@ std::size_t texel_of(const Vec3d& direction, int size) {
   const auto cell = [size](double x) {
     return std::clamp(static_cast<int>((x + 1) / 2 * size), 0, size - 1);
   };
-  return static_cast<std::size_t>((point.face * size + cell(point.y)) * size + cell(point.x));
+  const int texel = (point.face * size + cell(point.y)) * size + cell(point.x);
+  return static_cast<std::size_t>(texel);
 }
 
 namespace {

@@ -25,6 +25,7 @@ constexpr std::array<Builtin, 3> kBuiltins = {
 const std::vector<std::string>& builtin_environment_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> result;
+    result.reserve(kBuiltins.size());
     for (const Builtin& builtin : kBuiltins) result.emplace_back(builtin.name);
     return result;
   }();
@@ -48,8 +49,9 @@ RgbImage render_lat_long(int samples, const std::function<Vec3d(const Vec3d&)>& 
     for (int x = 0; x < image.width; ++x) {
       Vec3d sum;
       for (int i = 0; i < samples * samples; ++i) {
-        const double px = x + (i % samples + 0.5) / samples;
-        const double py = static_cast<double>(row) + (i / samples + 0.5) / samples;
+        const int sample_x = i % samples, sample_y = i / samples;
+        const double px = x + (sample_x + 0.5) / samples;
+        const double py = static_cast<double>(row) + (sample_y + 0.5) / samples;
         sum += radiance(lat_long_direction(px, py, image.width, image.height));
       }
       image.at(x, static_cast<int>(row)) = Vec3f(sum / (static_cast<double>(samples) * samples));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "core/light/builtin_environment_images.h"
 #include "core/light/lit_room.h"
@@ -13,7 +14,6 @@ namespace {
 
 constexpr double kBay = 5;                     // metres from one window to the next
 constexpr Vec3d kGlassMean{0.66, 0.41, 0.36};  // of the colours below
-constexpr Vec3d kOpening{-1, 0, 0};            // not a window: one sees the wall
 
 /// Stained glass: a colour for each pane. Gold and white are the most, so that the stone stays
 /// warm.
@@ -32,14 +32,15 @@ Vec3d glass(std::int64_t i, std::int64_t j, std::uint64_t seed) {
 }
 
 /// A pointed window of panes between leads, with a mullion down its middle.
-Vec3d lancet(double s, double t, double brightness, std::uint64_t seed) {
+std::optional<Vec3d> lancet(double s, double t, double brightness, std::uint64_t seed) {
   // Above the springing line two arcs close the window to a point.
   const double arch = t > 0.45 ? (t - 0.45) / 0.55 : 0;
-  if (std::abs(s) > std::sqrt(std::max(1 - arch * arch, 0.0)) * (1 - 0.25 * arch)) return kOpening;
+  if (std::abs(s) > std::sqrt(std::max(1 - arch * arch, 0.0)) * (1 - 0.25 * arch))
+    return std::nullopt;
   const double across = (s + 1) * 2.5, up = (t + 1) * 7;
   const double lead_x = std::abs(across - std::round(across));
   const double lead_y = std::abs(up - std::round(up));
-  if (std::abs(s) < 0.07) return {0.02, 0.017, 0.014};
+  if (std::abs(s) < 0.07) return Vec3d{0.02, 0.017, 0.014};
   if (lead_x < 0.06 || lead_y < 0.07) return Vec3d::filled(0.03);
   return glass(static_cast<std::int64_t>(std::floor(across)),
                static_cast<std::int64_t>(std::floor(up)), seed) *
@@ -47,9 +48,9 @@ Vec3d lancet(double s, double t, double brightness, std::uint64_t seed) {
 }
 
 /// A round window: an eye, and petals in two rings.
-Vec3d rose(double s, double t, double brightness) {
+std::optional<Vec3d> rose(double s, double t, double brightness) {
   const double r = std::sqrt(s * s + t * t);
-  if (r > 1) return kOpening;
+  if (r > 1) return std::nullopt;
   const double turn = std::atan2(t, s) / (2 * std::numbers::pi) + 1;
   if (r < 0.2) return Vec3d{1.0, 0.72, 0.25} * brightness;
   const int ring = r < 0.55 ? 0 : 1;
@@ -58,7 +59,7 @@ Vec3d rose(double s, double t, double brightness) {
   const double within = petal - std::floor(petal) - 0.5;
   const double middle = ring == 0 ? 0.375 : 0.77, half = ring == 0 ? 0.165 : 0.2;
   const double shape = std::pow(within / 0.45, 2) + std::pow((r - middle) / half, 4);
-  if (shape > 1) return {0.06, 0.05, 0.04};
+  if (shape > 1) return Vec3d{0.06, 0.05, 0.04};
   return glass(static_cast<std::int64_t>(std::floor(petal)) % static_cast<std::int64_t>(petals),
                100 + ring, 5) *
          brightness;

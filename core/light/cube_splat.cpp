@@ -36,7 +36,8 @@ std::uint32_t CubeSplat::texel(int face, int row, int column) const {
 }
 
 std::uint32_t CubeSplat::beyond(int face, cube::Border border, int index) const {
-  return beyond_[static_cast<std::size_t>((face * 4 + static_cast<int>(border)) * size_ + index)];
+  const int place = (face * 4 + static_cast<int>(border)) * size_ + index;
+  return beyond_[static_cast<std::size_t>(place)];
 }
 
 CubeSplat::Between CubeSplat::between(double x) const {

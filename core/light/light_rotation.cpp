@@ -45,7 +45,8 @@ std::size_t coarse_texel(std::size_t fine, int fine_size, int factor) {
   const int face = index / (fine_size * fine_size);
   const int row = index / fine_size % fine_size / factor;
   const int column = index % fine_size / factor;
-  return static_cast<std::size_t>((face * size + row) * size + column);
+  const int texel = (face * size + row) * size + column;
+  return static_cast<std::size_t>(texel);
 }
 
 }  // namespace

@@ -154,6 +154,7 @@ HWY_INLINE void overlap_weights(const OverlapBatch& batch, int size, std::size_t
   const V h = set(2.0f / static_cast<float>(size));
   const V box_x = hn::MulAdd(hn::Load(kF32, batch.box_u + lane), h, set(-1));
   const V box_y = hn::MulAdd(hn::Load(kF32, batch.box_v + lane), h, set(-1));
+  float* HWY_RESTRICT cell_weights = weights + lane;
   for (int j = 0; j < batch.rows; ++j) {
     const V row = set(static_cast<float>(j));
     const V y = hn::MulAdd(hn::Add(row, set(0.5f)), h, box_y);
@@ -168,8 +169,8 @@ HWY_INLINE void overlap_weights(const OverlapBatch& batch, int size, std::size_t
       }
       // A cell that is only touched may come out a rounding below zero.
       const V weight = hn::Max(hn::Mul(sum, cell.solid_angle), hn::Zero(kF32));
-      const auto index = static_cast<std::size_t>(j * batch.columns + c);
-      hn::Store(weight, kF32, weights + index * kOverlapLanes + lane);
+      hn::Store(weight, kF32, cell_weights);
+      cell_weights += kOverlapLanes;
     }
   }
 }

@@ -43,7 +43,7 @@ Vec3d LitRoom::irradiance(const WallPoint& point) const {
 
 Vec3d LitRoom::radiance(const Vec3d& direction) const {
   double nearest = std::numeric_limits<double>::infinity();
-  Vec3d seen{-1, 0, 0};
+  std::optional<Vec3d> seen;
   for (const RoomLight& light : lights) {
     const Vec3d across = cross(light.half_right, light.half_up);
     const double approach = dot(direction, across);
@@ -54,12 +54,12 @@ Vec3d LitRoom::radiance(const Vec3d& direction) const {
     const double s = dot(offset, light.half_right) / dot(light.half_right, light.half_right);
     const double t = dot(offset, light.half_up) / dot(light.half_up, light.half_up);
     if (std::abs(s) > 1 || std::abs(t) > 1) continue;
-    const Vec3d value = light.radiance(s, t);
-    if (value.x < 0) continue;
+    const std::optional<Vec3d> value = light.radiance(s, t);
+    if (!value) continue;
     nearest = distance;
     seen = value;
   }
-  if (seen.x >= 0) return seen;
+  if (seen) return *seen;
   const WallPoint point = wall(direction);
   return albedo(point) * irradiance(point) / std::numbers::pi;
 }

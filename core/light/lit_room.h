@@ -1,7 +1,7 @@
 #pragma once
 
-#include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "core/math/vec.h"
@@ -23,8 +23,8 @@ struct RoomLight {
   Vec3d centre;
   Vec3d half_right, half_up;  // half its sides; right × up is where it faces
   Vec3d mean_radiance;        // for what it does to the walls
-  /// Radiance at (s, t) in [−1, 1]²; negative red means: not there, one sees past.
-  std::function<Vec3d(double s, double t)> radiance;
+  /// Radiance at (s, t) in [−1, 1]²; nothing where the light has a gap and one sees past it.
+  std::function<std::optional<Vec3d>(double s, double t)> radiance;
 };
 
 struct LitRoom {

@@ -163,8 +163,9 @@ void add_sun(RgbImage& image) {
       if (dot(middle, sun) < std::cos(kSunRadius + 2 * kPi / image.width)) continue;
       int inside = 0;
       for (int i = 0; i < kPoints * kPoints; ++i) {
+        const int point_x = i % kPoints, point_y = i / kPoints;
         const Vec3d direction =
-            lat_long_direction(x + (i % kPoints + 0.5) / kPoints, y + (i / kPoints + 0.5) / kPoints,
+            lat_long_direction(x + (point_x + 0.5) / kPoints, y + (point_y + 0.5) / kPoints,
                                image.width, image.height);
         if (dot(direction, sun) >= std::cos(kSunRadius)) ++inside;
       }

@@ -137,14 +137,19 @@ void check_range(const JsonReader& json, const Mesh& mesh) {
   }
 }
 
-/// Normals of a file's meshes: its own, none, or smooth ones.
-void set_normals(const JsonReader& json, std::vector<Mesh>& meshes) {
+/// What a file's normals are: its own, none, or smooth ones. Shapes keep theirs.
+enum class Normals { own, flat, smooth };
+
+Normals read_normals(const JsonReader& json) {
+  constexpr Normals kChoices[] = {Normals::own, Normals::flat, Normals::smooth};
   const auto field = json.optional_member("normals");
-  if (!field) return;
-  const std::size_t choice = field->one_of({"own", "flat", "smooth"});
+  return field ? kChoices[field->one_of({"own", "flat", "smooth"})] : Normals::own;
+}
+
+void set_normals(Normals normals, std::vector<Mesh>& meshes) {
   for (Mesh& mesh : meshes) {
-    if (choice == 1) mesh.normals.clear();
-    if (choice == 2) smooth_normals(mesh);
+    if (normals == Normals::flat) mesh.normals.clear();
+    if (normals == Normals::smooth) smooth_normals(mesh);
   }
 }
 
@@ -205,6 +210,8 @@ void place(const JsonReader& json, std::vector<Mesh>& meshes) {
 }  // namespace
 
 void add_object(const JsonReader& json, const ObjectContext& context, Scene& scene) {
+  // Before a file is read that may take a while.
+  const Normals normals = read_normals(json);
   MeshFile object;
   if (json.has("file")) {
     object = read_file_object(json, context);
@@ -220,7 +227,7 @@ void add_object(const JsonReader& json, const ObjectContext& context, Scene& sce
     kept += mesh.triangles.size();
   }
   if (kept == 0) throw Error(json.where(), "only degenerate triangles", "a surface");
-  set_normals(json, object.meshes);
+  set_normals(normals, object.meshes);
   std::move(object.meshes.begin(), object.meshes.end(), std::back_inserter(scene.meshes));
   check_triangle_count(json, scene);
 }

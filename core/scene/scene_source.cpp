@@ -9,9 +9,9 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/json_reader.h"
-#include "core/scene/default_scene.h"
 #include "core/scene/material_source.h"
 #include "core/scene/object_source.h"
+#include "core/scene/terrace.h"
 
 namespace rimlight {
 namespace {
@@ -92,6 +92,11 @@ std::vector<Environment> read_environments(const JsonReader& json, const fs::pat
   return environments;
 }
 
+/// Above 2^53 JSON numbers are not exact everywhere.
+std::uint64_t read_seed(const JsonReader& json) {
+  return static_cast<std::uint64_t>(json.integer(0, std::int64_t{1} << 53));
+}
+
 BakeSettings read_bake(const JsonReader& json) {
   json.allow_only({"width", "height", "cube_size", "primary_rays", "bounces", "psnr_db", "seed"});
   BakeSettings bake;
@@ -108,80 +113,71 @@ BakeSettings read_bake(const JsonReader& json) {
     json.member("cube_size").fail("4, 8, 16, 32, 64 or 128");
   }
   if (const auto psnr = json.optional_member("psnr_db")) bake.psnr_db = psnr->number(20, 90);
-  if (const auto seed = json.optional_member("seed")) {
-    // Above 2^53 JSON numbers are not exact everywhere.
-    bake.seed = static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53));
-  }
+  if (const auto seed = json.optional_member("seed")) bake.seed = read_seed(*seed);
   return bake;
 }
 
-/// What a builtin brings along stands in where the source says nothing.
-struct Defaults {
-  std::optional<Camera> camera;
-  std::vector<Environment> environments;
-};
-
-void add_builtin(const JsonReader& json, Scene& scene, Defaults& defaults) {
+/// Adds a builtin's meshes and materials; its camera stands in where the source gives none.
+void add_builtin(const JsonReader& json, Scene& scene, std::optional<Camera>& camera) {
   json.allow_only({"builtin", "seed"});
   json.member("builtin").one_of({"terrace"});
   const auto seed = json.optional_member("seed");
-  Scene made =
-      default_scene(seed ? static_cast<std::uint64_t>(seed->integer(0, std::int64_t{1} << 53)) : 1);
+  Scene made = terrace::make_scene(seed ? read_seed(*seed) : 1);
   const auto first_material = static_cast<std::uint32_t>(scene.materials.size());
   for (Mesh& mesh : made.meshes) mesh.material += first_material;
   std::move(made.meshes.begin(), made.meshes.end(), std::back_inserter(scene.meshes));
   std::move(made.materials.begin(), made.materials.end(), std::back_inserter(scene.materials));
-  if (!defaults.camera) defaults.camera = made.camera;
-  if (defaults.environments.empty()) defaults.environments = std::move(made.environments);
+  if (!camera) camera = made.camera;
 }
 
-Defaults read_objects(const JsonReader& json, const ObjectContext& context, Scene& scene) {
-  Defaults defaults;
+void read_objects(const JsonReader& json, const ObjectContext& context, Scene& scene,
+                  std::optional<Camera>& camera) {
   for (const JsonReader& object : json.elements(1, kMostObjects)) {
     const int kinds =
         int{object.has("file")} + int{object.has("shape")} + int{object.has("builtin")};
     if (kinds != 1) object.fail("one of \"file\", \"shape\" and \"builtin\"");
     if (object.has("builtin")) {
-      add_builtin(object, scene, defaults);
+      add_builtin(object, scene, camera);
     } else {
       add_object(object, context, scene);
     }
   }
-  return defaults;
+}
+
+ObjectContext read_materials(const JsonReader& json, const fs::path& folder, Scene& scene) {
+  ObjectContext context{folder, {}};
+  const auto members = json.members();
+  if (members.size() > kMostMaterials) {
+    throw Error(json.where(), std::to_string(members.size()) + " materials",
+                "at most " + std::to_string(kMostMaterials));
+  }
+  for (const auto& [name, material] : members) {
+    context.material_named[name] = static_cast<std::uint32_t>(scene.materials.size());
+    scene.materials.push_back(read_material(material, name, folder));
+  }
+  return context;
 }
 
 Scene read_document(const JsonReader& json, const fs::path& folder) {
   json.allow_only({"$schema", "name", "camera", "materials", "objects", "environments", "bake"});
   Scene scene;
-  scene.name =
-      json.has("name") ? read_name(json.member("name")) : fs::path(json.source()).stem().string();
+  const auto name = json.optional_member("name");
+  scene.name = name ? read_name(*name) : fs::path(json.source()).stem().string();
   // Cheap parts first: a mistake in them should not wait for the meshes.
   if (const auto bake = json.optional_member("bake")) scene.bake = read_bake(*bake);
   std::optional<Camera> camera;
   if (const auto field = json.optional_member("camera")) camera = read_camera(*field);
-
   ObjectContext context{folder, {}};
   if (const auto materials = json.optional_member("materials")) {
-    const auto members = materials->members();
-    if (members.size() > kMostMaterials) {
-      throw Error(materials->where(), std::to_string(members.size()) + " materials",
-                  "at most " + std::to_string(kMostMaterials));
-    }
-    for (const auto& [name, material] : members) {
-      context.material_named[name] = static_cast<std::uint32_t>(scene.materials.size());
-      scene.materials.push_back(read_material(material, name, folder));
-    }
+    context = read_materials(*materials, folder, scene);
   }
-  Defaults defaults = read_objects(json.member("objects"), context, scene);
-  if (!camera && !defaults.camera) json.member("camera");  // throws: it is missing
-  scene.camera = camera ? *camera : *defaults.camera;
+  read_objects(json.member("objects"), context, scene, camera);
+  scene.camera = camera ? *camera : read_camera(json.member("camera"));  // throws: it is missing
   if (const auto environments = json.optional_member("environments")) {
     scene.environments = read_environments(*environments, folder);
-  } else if (!defaults.environments.empty()) {
-    scene.environments = std::move(defaults.environments);
   } else {
-    for (const std::string& name : builtin_environment_names()) {
-      scene.environments.push_back(builtin_environment(name));
+    for (const std::string& builtin : builtin_environment_names()) {
+      scene.environments.push_back(builtin_environment(builtin));
     }
   }
   return scene;

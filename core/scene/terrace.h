@@ -36,6 +36,9 @@ class Builder {
   std::uint64_t seed_;
 };
 
+/// The whole scene but for its environments.
+Scene make_scene(std::uint64_t seed);
+
 /// A box about the origin with chamfered edges; flat, without normals.
 Mesh chamfered_box(const Vec3d& size, double chamfer);
 

@@ -79,12 +79,12 @@ void add_vase(Builder& builder, const Vec3d& place) {
 }
 
 void add_ring(Builder& builder, const Vec3d& place) {
-  const std::uint32_t marble = builder.material("marble", {.albedo = {0.80f, 0.78f, 0.74f}});
+  const std::uint32_t basalt = builder.material("basalt", {.albedo = {0.33f, 0.31f, 0.29f}});
   constexpr double kSlab = 0.07;
   const ProfilePoint slab[] = {
       {0, 0},         {0.66, 0},      {0.66, 0}, {0.66, kSlab - 0.012}, {0.66, kSlab - 0.012},
       {0.648, kSlab}, {0.648, kSlab}, {0, kSlab}};
-  builder.add("marble disc", lathe(slab, 96), marble, translation(place));
+  builder.add("basalt disc", lathe(slab, 96), basalt, translation(place));
   // Gold at 630, 532 and 465 nm (Johnson and Christy 1972).
   const Brdf gold{.model = BrdfModel::cook_torrance,
                   .albedo = {},

@@ -117,7 +117,7 @@ TEST(LightRotation, ALitTexelKeepsItsEnergyAndItsPlace) {
       const CubeLight light = lit_texel(size, texel, 1e4f);
       LightRotator rotator(light);
       CubeLight target;
-      for (int i = 0; i < (size <= 32 ? 20 : 3); ++i, ++turns) {
+      for (int i = 0; i < (size <= 32 ? 10 : 3); ++i, ++turns) {
         const Quaternion rotation = random_rotation(random);
         rotator.rotate(rotation, target);
         worst_energy =

@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/scene/mesh_geometry.h"
-#include "tests/core/scene/test_folder.h"
+#include "tests/core/scene/scene_files.h"
 
 namespace rimlight {
 namespace {
@@ -32,12 +32,12 @@ Error error_of(const std::filesystem::path& path) {
 }
 
 /// A glTF of one triangle under two nested nodes, its numbers in a buffer of its own.
-std::string gltf_triangle(const TestFolder& folder, const std::vector<float>& positions,
+std::string gltf_triangle(const test::TemporaryFolder& folder, const std::vector<float>& positions,
                           const std::vector<std::uint16_t>& indices) {
   std::string bytes(positions.size() * 4 + indices.size() * 2, '\0');
   std::memcpy(bytes.data(), positions.data(), positions.size() * 4);
   std::memcpy(bytes.data() + positions.size() * 4, indices.data(), indices.size() * 2);
-  folder.write("triangle.bin", bytes);
+  write(folder, "triangle.bin", bytes);
   return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
     "nodes": [{"children": [1], "translation": [10, 0, 0]},
               {"mesh": 0, "scale": [2, 2, 2], "rotation": [0, 0, 0.70710678, 0.70710678]}],
@@ -51,11 +51,11 @@ std::string gltf_triangle(const TestFolder& folder, const std::vector<float>& po
 }
 
 TEST(MeshFile, ReadsAnObjWithItsMaterialAndTriangulatesIt) {
-  const TestFolder folder;
-  folder.write("m.mtl", "newmtl leaf\nKd 0.1 0.6 0.2\n");
-  const auto path = folder.write("m.obj",
-                                 "mtllib m.mtl\nusemtl leaf\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\n"
-                                 "v 0.5 0.5 0\nf 1 2 3 4\n");
+  const test::TemporaryFolder folder;
+  write(folder, "m.mtl", "newmtl leaf\nKd 0.1 0.6 0.2\n");
+  const auto path = write(folder, "m.obj",
+                          "mtllib m.mtl\nusemtl leaf\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\n"
+                          "v 0.5 0.5 0\nf 1 2 3 4\n");
   const MeshFile file = read_mesh_file(path, FileMaterials::read);
   EXPECT_EQ(triangle_count(file), 2u);
   const Vec3f albedo = file.materials[file.meshes[0].material].brdf.albedo;
@@ -63,9 +63,9 @@ TEST(MeshFile, ReadsAnObjWithItsMaterialAndTriangulatesIt) {
 }
 
 TEST(MeshFile, AppliesTheNodesOfAGltf) {
-  const TestFolder folder;
+  const test::TemporaryFolder folder;
   const std::string json = gltf_triangle(folder, {0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2});
-  const MeshFile file = read_mesh_file(folder.write("t.gltf", json), FileMaterials::read);
+  const MeshFile file = read_mesh_file(write(folder, "t.gltf", json), FileMaterials::read);
   ASSERT_EQ(triangle_count(file), 1u);
   const Bounds bounds = bounds_of(file.meshes);
   // (1, 0, 0) is doubled, turned to +y and moved by 10; (0, 1, 0) is turned to −x.
@@ -76,12 +76,12 @@ TEST(MeshFile, AppliesTheNodesOfAGltf) {
 }
 
 TEST(MeshFile, RefusesWhatIsNotFiniteOrOutOfRange) {
-  const TestFolder folder;
-  const auto nan = folder.write("nan.ply",
-                                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
-                                "property float y\nproperty float z\nelement face 1\n"
-                                "property list uchar int vertex_indices\nend_header\n"
-                                "0 0 0\nnan 0 0\n0 1 0\n3 0 1 2\n");
+  const test::TemporaryFolder folder;
+  const auto nan = write(folder, "nan.ply",
+                         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                         "property float y\nproperty float z\nelement face 1\n"
+                         "property list uchar int vertex_indices\nend_header\n"
+                         "0 0 0\nnan 0 0\n0 1 0\n3 0 1 2\n");
   EXPECT_NE(std::string(error_of(nan).what()).find("nan.ply"), std::string::npos);
   std::string binary =
       "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n"
@@ -91,30 +91,30 @@ TEST(MeshFile, RefusesWhatIsNotFiniteOrOutOfRange) {
   binary.append(reinterpret_cast<const char*>(positions), sizeof positions);
   const std::int32_t face[3] = {0, 1, 2};
   binary.append("\x03").append(reinterpret_cast<const char*>(face), sizeof face);
-  EXPECT_EQ(error_of(folder.write("inf.ply", binary)).expected(), "finite coordinates");
+  EXPECT_EQ(error_of(write(folder, "inf.ply", binary)).expected(), "finite coordinates");
 
   const std::string json = gltf_triangle(folder, {0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 77});
-  const Error range = error_of(folder.write("range.gltf", json));
+  const Error range = error_of(write(folder, "range.gltf", json));
   EXPECT_NE(range.where().find("range.gltf"), std::string::npos);
 }
 
 TEST(MeshFile, RefusesMissingMalformedEmptyAndForeignFiles) {
-  const TestFolder folder;
+  const test::TemporaryFolder folder;
   EXPECT_NE(error_of(folder.path() / "none.obj").found().find("No such file"), std::string::npos);
-  EXPECT_EQ(error_of(folder.write("a.stl", "solid")).found(), "the ending \".stl\"");
-  EXPECT_NE(std::string(error_of(folder.write("bad.gltf", "{\"asset\":")).what()).find("bad.gltf"),
+  EXPECT_EQ(error_of(write(folder, "a.stl", "solid")).found(), "the ending \".stl\"");
+  EXPECT_NE(std::string(error_of(write(folder, "bad.gltf", "{\"asset\":")).what()).find("bad.gltf"),
             std::string::npos);
-  error_of(folder.write("bad.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"));
-  error_of(folder.write("points.obj", "v 0 0 0\nv 1 0 0\n"));
-  error_of(folder.write("empty.obj", ""));
+  error_of(write(folder, "bad.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"));
+  error_of(write(folder, "points.obj", "v 0 0 0\nv 1 0 0\n"));
+  error_of(write(folder, "empty.obj", ""));
   // assimp does not return from a header without an end, nor doubt what one claims.
-  error_of(folder.write("claim.ply",
-                        "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
-                        "property float x\nproperty float y\nproperty float z\nend_header\n"));
+  error_of(write(folder, "claim.ply",
+                 "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
+                 "property float x\nproperty float y\nproperty float z\nend_header\n"));
 }
 
 TEST(MeshFile, TruncationAnywhereIsAnErrorOrAMesh) {
-  const TestFolder folder;
+  const test::TemporaryFolder folder;
   const std::string json = gltf_triangle(folder, {0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 2});
   std::string ply =
       "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n"
@@ -134,7 +134,7 @@ TEST(MeshFile, TruncationAnywhereIsAnErrorOrAMesh) {
   for (const auto& [name, bytes] : files) {
     int errors = 0;
     for (std::size_t size = 0; size < bytes.size(); size += 5) {
-      const auto path = folder.write(name, std::string_view(bytes).substr(0, size));
+      const auto path = write(folder, name, std::string_view(bytes).substr(0, size));
       try {
         EXPECT_LE(triangle_count(read_mesh_file(path, FileMaterials::read)), 1u);
       } catch (const Error&) {
@@ -143,15 +143,16 @@ TEST(MeshFile, TruncationAnywhereIsAnErrorOrAMesh) {
     }
     // All but a shorter index at the very end, which OBJ and text cannot tell from a whole one.
     EXPECT_GE(5 * (errors + 2), static_cast<int>(bytes.size())) << name;
-    EXPECT_EQ(triangle_count(read_mesh_file(folder.write(name, bytes), FileMaterials::read)), 1u);
+    EXPECT_EQ(triangle_count(read_mesh_file(write(folder, name, bytes), FileMaterials::read)), 1u);
   }
 }
 
 TEST(MeshFile, AMissingTextureIsNamedUnlessMaterialsAreIgnored) {
-  const TestFolder folder;
-  folder.write("t.mtl", "newmtl a\nKd 1 1 1\nmap_Kd absent.png\n");
-  const auto path = folder.write(
-      "t.obj", "mtllib t.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
+  const test::TemporaryFolder folder;
+  write(folder, "t.mtl", "newmtl a\nKd 1 1 1\nmap_Kd absent.png\n");
+  const auto path =
+      write(folder, "t.obj",
+            "mtllib t.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
   EXPECT_NE(std::string(error_of(path).what()).find("absent.png"), std::string::npos);
   EXPECT_EQ(triangle_count(read_mesh_file(path, FileMaterials::ignore)), 1u);
 }

@@ -230,6 +230,30 @@ TEST(BakeFolder, AManifestFieldThatIsNotAsPromisedIsNamed) {
   EXPECT_EQ(error_of_opening(path), "");
 }
 
+TEST(BakeFolder, TheDocumentsExampleIsAManifestWithAllFields) {
+  const std::string page = read("docs/formats/bake.md");
+  const std::string fence = "```json\n";
+  const std::size_t begin = page.find(fence) + fence.size();
+  const std::string text = page.substr(begin, page.find("```", begin) - begin);
+  const nlohmann::json json = parse_json(text, "docs/formats/bake.md");
+  const JsonReader reader(json, "docs/formats/bake.md");
+  const nlohmann::json understood = manifest_to_json(read_manifest(reader));
+  EXPECT_EQ(understood.size() + 2, json.size());  // and environments, and files
+  for (const auto& [name, value] : understood.items()) {
+    EXPECT_EQ(json[name], value) << name;
+  }
+  int files = 0;
+  for (const auto& [name, summary] : reader.member("files").members()) {
+    EXPECT_TRUE(is_plain_file_name(name));
+    EXPECT_EQ(TensorFileSummary::from_json(summary).to_json(), summary.value());
+    ++files;
+  }
+  EXPECT_EQ(files, 3);
+  for (const JsonReader& environment : reader.member("environments").elements(1)) {
+    EXPECT_EQ(read_layout(environment.member("layout")), EnvironmentLayout::lat_long);
+  }
+}
+
 /// The bytes of a tensor file of transport with something changed, its hashes right.
 using Edit = std::function<void(TileTransport&)>;
 std::string error_of_forged_transport(const fs::path& path, const fs::path& scratch,

@@ -1,0 +1,196 @@
+// Columns of a synthetic transport of 262,144 receivers × 24,576 columns × RGB, with 1 % or 5 % of
+// its blocks, added to B: 30 columns chosen afresh each time, and all of them. Beside the time:
+//
+//   of_read_limit   median time ÷ (bytes of the matrix that must move ÷ read bandwidth), the
+//   bandwidth
+//                   measured in this run on as many threads. B itself is not counted: it can stay
+//                   in a cache
+//   of_eigen        median time of Eigen's CSC `y += d * T.col(j)` on one thread ÷ this time, on
+//   the same
+//                   share of non-zeros, measured in this run (30 columns only)
+#include <benchmark/benchmark.h>
+
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "core/base/parallel.h"
+#include "core/math/random.h"
+#include "core/transport/column_kernel.h"
+#include "core/transport/tile_transport.h"
+
+namespace rimlight {
+namespace {
+
+constexpr std::size_t kTiles = 64;
+constexpr std::size_t kColumns = 24576;
+constexpr std::size_t kFewColumns = 30;
+constexpr int kEigenColumns = 2048;  // of which 30 are chosen: more than any cache holds
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Blocks of a column, each kept with probability `density`: the gaps between them are geometric.
+template <typename Visit>
+void random_subset(Random& random, double density, std::size_t count, const Visit& visit) {
+  const double scale = 1 / std::log1p(-density);
+  for (auto i = std::log1p(-random.uniform()) * scale; i < static_cast<double>(count);
+       i += 1 + std::floor(std::log1p(-random.uniform()) * scale)) {
+    visit(static_cast<std::size_t>(i));
+  }
+}
+
+TileTransport random_tile(std::size_t tile, double density) {
+  Random random(1, tile);
+  TileTransport result;
+  result.column_offset.push_back(0);
+  for (std::size_t column = 0; column < kColumns; ++column) {
+    random_subset(random, density, kTileBlocks, [&](std::size_t block) {
+      result.block_index.push_back(static_cast<std::uint16_t>(block));
+    });
+    result.column_offset.push_back(static_cast<std::uint32_t>(result.block_index.size()));
+    result.column_scale.push_back(random.uniform_float());
+  }
+  result.value.resize(result.block_count() * kBlockFloats);
+  // Halves from 0.5 to 1: what they are does not change the time.
+  for (Half& value : result.value) value = static_cast<Half>(0x3800 | (random.bits() & 0x3ff));
+  return result;
+}
+
+/// One density's transport at a time is kept.
+const TransportView& transport(double density) {
+  static std::unique_ptr<Transport> made;
+  static double made_density = 0;
+  if (made_density != density) {
+    made.reset();
+    std::vector<TileTransport> tiles(kTiles);
+    parallel_for(kTiles, [&](std::size_t tile) { tiles[tile] = random_tile(tile, density); });
+    made = std::make_unique<Transport>(tiles);
+    made_density = density;
+  }
+  return made->view();
+}
+
+/// Bytes a second, reading half a GiB on the threads in use; the best of five.
+double read_bandwidth() {
+  static const AlignedVector<std::uint64_t> memory(std::size_t{1} << 26, 1);
+  constexpr std::size_t kChunks = 64;
+  std::vector<std::uint64_t> sums(kChunks);
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 5; ++i) {
+    const auto start = Clock::now();
+    parallel_for(kChunks, [&](std::size_t chunk) {
+      const std::size_t size = memory.size() / kChunks;
+      const std::uint64_t* const first = memory.data() + chunk * size;
+      std::uint64_t lanes[8] = {};
+      for (std::size_t k = 0; k < size; k += 8) {
+        for (std::size_t lane = 0; lane < 8; ++lane) lanes[lane] += first[k + lane];
+      }
+      for (const std::uint64_t lane : lanes) sums[chunk] += lane;
+    });
+    benchmark::DoNotOptimize(sums.data());
+    best = std::min(best, seconds_since(start));
+  }
+  return static_cast<double>(memory.size() * sizeof(std::uint64_t)) / best;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+/// Median seconds of Eigen for 30 columns.
+double eigen_seconds(double density) {
+  constexpr int kRows = static_cast<int>(kTiles * kTileReceivers * 3);
+  Eigen::SparseMatrix<float, Eigen::ColMajor> matrix(kRows, kEigenColumns);
+  matrix.reserve(static_cast<Eigen::Index>(1.1 * density * kRows * kEigenColumns));
+  Random random(2);
+  for (int column = 0; column < kEigenColumns; ++column) {
+    matrix.startVec(column);
+    random_subset(random, density, kRows, [&](std::size_t row) {
+      matrix.insertBack(static_cast<int>(row), column) = 0.5f;
+    });
+  }
+  matrix.finalize();
+  Eigen::VectorXf y = Eigen::VectorXf::Zero(kRows);
+  std::vector<double> seconds;
+  for (int i = 0; i < 15; ++i) {
+    const auto start = Clock::now();
+    for (std::size_t k = 0; k < kFewColumns; ++k) {
+      y += 0.7f * matrix.col(static_cast<int>(random.below(kEigenColumns)));
+    }
+    benchmark::DoNotOptimize(y.data());
+    seconds.push_back(seconds_since(start));
+  }
+  return median(seconds);
+}
+
+std::vector<ColumnDelta> random_columns(Random& random, std::size_t count) {
+  std::vector<ColumnDelta> columns;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto column = count == kColumns ? i : random.below(kColumns);
+    columns.push_back({static_cast<std::uint32_t>(column), {0.7f, -0.3f, 0.2f}});
+  }
+  std::ranges::sort(columns, {}, &ColumnDelta::column);
+  return columns;
+}
+
+double matrix_bytes(const TransportView& view, const std::vector<ColumnDelta>& columns) {
+  std::size_t blocks = 0;
+  for (std::size_t tile = 0; tile < kTiles; ++tile) {
+    for (const ColumnDelta& c : columns) blocks += view.run(tile, c.column).block_index.size();
+  }
+  const std::size_t block = kBlockFloats * sizeof(Half) + sizeof(std::uint16_t);
+  const std::size_t column = sizeof(std::uint32_t) + sizeof(float);
+  return static_cast<double>(blocks * block + kTiles * columns.size() * column);
+}
+
+void add(benchmark::State& state, std::size_t count) {
+  const double density = static_cast<double>(state.range(0)) / 100;
+  set_thread_count(static_cast<int>(state.range(1)));
+  const TransportView& view = transport(density);
+  Radiance radiance(kTiles);
+  Random random(3);
+  std::vector<double> seconds, bytes;
+  for (auto _ : state) {
+    const auto columns = random_columns(random, count);
+    const auto start = Clock::now();
+    parallel_for(kTiles,
+                 [&](std::size_t tile) { add_columns(view, tile, columns, radiance.tile(tile)); });
+    const double once = seconds_since(start);
+    state.SetIterationTime(once);
+    seconds.push_back(once);
+    bytes.push_back(matrix_bytes(view, columns));
+  }
+  state.SetLabel(column_kernel_target());
+  state.counters["of_read_limit"] = median(seconds) / (median(bytes) / read_bandwidth());
+  state.counters["median_ms"] = 1e3 * median(seconds);
+  if (count == kFewColumns) {
+    state.counters["of_eigen"] = eigen_seconds(density) / median(seconds);
+  }
+  set_thread_count(0);
+}
+
+BENCHMARK_CAPTURE(add, 30_columns, kFewColumns)
+    ->ArgNames({"percent", "threads"})
+    ->ArgsProduct({{1, 5}, {1, 2}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime();
+BENCHMARK_CAPTURE(add, all_columns, kColumns)
+    ->ArgNames({"percent", "threads"})
+    ->ArgsProduct({{1, 5}, {1, 2}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime();
+
+}  // namespace
+}  // namespace rimlight
