@@ -14,6 +14,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+/// The ring is open towards the sun of `sunny`, which its hollow side gathers on the stone before
+/// it.
+constexpr double kBandAngle = 200 * kPi / 180;
+constexpr double kBandMiddle = 152 * kPi / 180;
+
 /// A smooth profile through points (Catmull and Rom 1974), `steps` a span; radii stay at least 0.
 std::vector<ProfilePoint> smooth_profile(std::span<const ProfilePoint> points, int steps) {
   const auto at = [&](std::size_t i, std::size_t back) {
@@ -50,6 +55,33 @@ Mesh cushion(const Vec3d& size) {
     mesh.positions[i] = Vec3f(Vec3d(x, y, z) * size * 0.5);
   }
   smooth_normals(mesh);
+  return mesh;
+}
+
+struct Band {
+  double inner, outer, height;
+};
+
+/// An upright band, bent to a part of a circle: closed at its ends, smooth along its curve.
+Mesh open_band(const Band& band) {
+  const ProfilePoint corners[] = {
+      {band.inner, band.height}, {band.inner, 0}, {band.outer, 0}, {band.outer, band.height}};
+  std::vector<ProfilePoint> creased;
+  for (const ProfilePoint& p : corners) creased.insert(creased.end(), {p, p});
+  creased.push_back(corners[0]);
+  Mesh mesh = lathe(creased, 192, kBandAngle);
+  for (const double phi : {0.0, kBandAngle}) {
+    const Vec3d along(std::cos(phi), 0, -std::sin(phi));
+    const Vec3d side = Vec3d(-std::sin(phi), 0, -std::cos(phi)) * (phi == 0 ? -1.0 : 1.0);
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const ProfilePoint& p : corners) {
+      mesh.positions.push_back(Vec3f(along * p.radius + Vec3d(0, p.height, 0)));
+      mesh.normals.push_back(Vec3f(side));
+      mesh.texture_coordinates.push_back({});
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
+  }
   return mesh;
 }
 
@@ -92,15 +124,10 @@ void add_ring(Builder& builder, const Vec3d& place) {
                   .roughness = 0.07f,
                   .eta = {0.19f, 0.54f, 1.36f},
                   .k = {3.29f, 2.23f, 1.93f}};
-  constexpr double kInner = 0.36, kOuter = 0.385, kHeight = 0.13, kRound = 0.006;
-  const ProfilePoint band[] = {
-      {kInner, kRound},           {kInner, kHeight - kRound}, {kInner + kRound, kHeight},
-      {kOuter - kRound, kHeight}, {kOuter, kHeight - kRound}, {kOuter, kRound},
-      {kOuter - kRound, 0},       {kInner + kRound, 0},       {kInner, kRound}};
-  std::vector<ProfilePoint> creased;
-  for (const ProfilePoint& p : band) creased.insert(creased.end(), {p, p});
-  builder.add("gold ring", lathe(creased, 256), builder.material("gold", gold),
-              translation(place + Vec3d(0, kSlab, 0)));
+  builder.add("gold ring", open_band({.inner = 0.40, .outer = 0.425, .height = 0.27}),
+              builder.material("gold", gold),
+              translation(place + Vec3d(0, kSlab, 0)) *
+                  rotation(axis_angle({0, 1, 0}, kBandMiddle - kBandAngle / 2)));
 }
 
 void add_bench(Builder& builder, const Vec3d& place) {
