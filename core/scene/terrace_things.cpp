@@ -105,7 +105,7 @@ void add_vase(Builder& builder, const Vec3d& place) {
       {0, 0},         {0.13, 0},      {0.15, 0.015},  {0.155, 0.05}, {0.235, 0.25},  {0.29, 0.46},
       {0.275, 0.65},  {0.18, 0.80},   {0.105, 0.885}, {0.095, 0.96}, {0.135, 1.035}, {0.145, 1.05},
       {0.135, 1.052}, {0.085, 0.965}, {0.09, 0.88},   {0.17, 0.77},  {0.22, 0.5},    {0, 0.3}};
-  builder.add("vase", lathe(smooth_profile(outline, 8), 128),
+  builder.add("vase", lathe(smooth_profile(outline, 5), 96),
               builder.material("cobalt glaze", glaze({0.015f, 0.07f, 0.30f}, 0.05f)),
               translation(place + Vec3d(0, kPlinth, 0)));
 }
@@ -162,7 +162,7 @@ void add_bowl(Builder& builder, const Vec3d& place) {
   const ProfilePoint outline[] = {{0, 0},        {0.07, 0},      {0.075, 0.012}, {0.14, 0.05},
                                   {0.185, 0.11}, {0.195, 0.135}, {0.187, 0.137}, {0.175, 0.11},
                                   {0.13, 0.06},  {0.06, 0.03},   {0, 0.028}};
-  builder.add("bowl", lathe(smooth_profile(outline, 6), 96),
+  builder.add("bowl", lathe(smooth_profile(outline, 4), 72),
               builder.material("celadon glaze", glaze({0.42f, 0.55f, 0.46f}, 0.12f)),
               translation(place));
   const std::uint32_t orange = builder.material("orange", {.model = BrdfModel::phong,
@@ -172,7 +172,7 @@ void add_bowl(Builder& builder, const Vec3d& place) {
   const Vec3d places[] = {
       {0.062, 0.094, 0.03}, {-0.058, 0.094, 0.045}, {-0.005, 0.097, -0.075}, {0.0, 0.172, 0.0}};
   for (const Vec3d& p : places) {
-    builder.add("orange", make_sphere(0.058, 48), orange, translation(place + p));
+    builder.add("orange", make_sphere(0.058, 36), orange, translation(place + p));
   }
 }
 
