@@ -100,6 +100,7 @@ BakeWriter::BakeWriter(fs::path folder) : folder_(std::move(folder)) {
     fs::create_directories(partial_);
     lock_ = std::make_unique<Lock>(partial_ / kLockFile);
     if (!fs::exists(partial_ / kManifestFile)) return;
+    // Left by a killed commit. Perhaps somebody still maps it: unlinked, never overwritten.
     remove_entries(partial_, [](const std::string& name) { return name == kLockFile; });
   });
 }
