@@ -42,7 +42,10 @@ ServeConfig merge(const ServeOptions& options) {
 server::SceneCatalog open_scenes(const ServeConfig& config) {
   std::vector<server::ServedScene> scenes;
   for (const std::filesystem::path& folder : config.bakes) {
-    scenes.push_back(server::serve_bake(std::make_shared<const Bake>(folder), config.relight));
+    auto bake = std::make_shared<const Bake>(folder);
+    FrameRenderer::prepare(
+        *bake, config.relight);  // else the first frame of each environment would wait for it
+    scenes.push_back(server::serve_bake(std::move(bake), config.relight));
     spdlog::info("opened {}: {}x{}, {} environments", folder.string(), scenes.back().width,
                  scenes.back().height, scenes.back().environments.size());
   }

@@ -23,6 +23,7 @@ Scene make_scene(std::uint64_t seed) {
   add_floor(builder);
   add_walls(builder);
   add_pergola(builder);
+  add_garden(builder);
   add_bench(builder, {-2.38, 0, -1.15});
   add_vase(builder, {-1.15, 0, -1.95});
   add_plant(builder, {1.62, 0, -2.1});

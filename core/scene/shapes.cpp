@@ -51,7 +51,7 @@ void add_cell(Mesh& mesh, std::uint32_t lower, std::uint32_t upper, bool lower_o
 
 }  // namespace
 
-Mesh lathe(std::span<const ProfilePoint> profile, int segments) {
+Mesh lathe(std::span<const ProfilePoint> profile, int segments, double angle) {
   RIMLIGHT_CHECK(profile.size() >= 2 && segments >= 3);
   double total = 0;
   for (std::size_t i = 1; i < profile.size(); ++i) total += distance(profile[i - 1], profile[i]);
@@ -64,8 +64,9 @@ Mesh lathe(std::span<const ProfilePoint> profile, int segments) {
     if (i > 0) walked += distance(profile[i - 1], profile[i]);
     const ProfilePoint normal = profile_normal(profile, i);
     for (std::uint32_t k = 0; k < row_size; ++k) {
-      // The last column is the first one again, to the bit, with another u.
-      const double phi = 2 * kPi * (k + 1 == row_size ? 0 : k) / segments;
+      // The last column of a full turn is the first one again, to the bit, with another u.
+      const bool closes = k + 1 == row_size && angle == 2 * kPi;
+      const double phi = closes ? 0 : angle * k / segments;
       const Vec3d around(std::cos(phi), 0, -std::sin(phi));
       mesh.positions.push_back(Vec3f(around * profile[i].radius + Vec3d(0, profile[i].height, 0)));
       mesh.normals.push_back(Vec3f(around * normal.radius + Vec3d(0, normal.height, 0)));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <numbers>
 #include <span>
 
 #include "core/math/vec.h"
@@ -18,8 +19,10 @@ struct ProfilePoint {
 
 /// The surface of revolution of a profile. A point that is given twice in a row is a crease, else
 /// the surface is smooth across it. u goes around, v along the profile by its length. Normals lie
-/// to the right of the profile's way: outside, when it is walked upward.
-Mesh lathe(std::span<const ProfilePoint> profile, int segments);
+/// to the right of the profile's way: outside, when it is walked upward. An `angle` below a full
+/// turn starts at +x towards −z and leaves its two ends open.
+Mesh lathe(std::span<const ProfilePoint> profile, int segments,
+           double angle = 2 * std::numbers::pi);
 
 /// About the origin.
 Mesh make_sphere(double radius, int segments);

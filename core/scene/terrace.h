@@ -46,6 +46,8 @@ void add_floor(Builder& builder);
 void add_walls(Builder& builder);
 void add_pergola(Builder& builder);
 void add_plant(Builder& builder, const Vec3d& place);
+/// What is seen through the arch: a lawn, a hedge, two cypresses.
+void add_garden(Builder& builder);
 void add_vase(Builder& builder, const Vec3d& place);
 void add_ring(Builder& builder, const Vec3d& place);
 void add_bench(Builder& builder, const Vec3d& place);

@@ -1,8 +1,11 @@
-// The default scene's plant: branching stems in a pot, thousands of bent leaves.
+// The default scene's plant, branching stems in a pot with thousands of bent leaves, and its
+// garden.
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "core/math/sampling.h"
@@ -91,6 +94,56 @@ Mesh leaf(double droop, double fold) {
   }
   smooth_normals(mesh);
   return mesh;
+}
+
+/// Leaves of a shape that is clipped rather than grown: scattered over its surface, pointing out
+/// and up.
+class Topiary {
+ public:
+  Topiary(Builder& builder, std::string part, const Vec3f& green)
+      : builder_(builder), part_(std::move(part)), tones_(builder.tones(part_, green, 0.4, 4)) {}
+
+  std::uint32_t core_material() const { return tones_[0]; }
+
+  void add_leaf(const Vec3d& position, const Vec3d& outward, double size, Random& random) {
+    const Vec3d way =
+        normalized(outward * 0.5 + Vec3d(0, 0.8, 0) + uniform_sphere(random_sample(random)) * 0.45);
+    Vec3d right = cross(Vec3d(outward.z, 0.3, -outward.x), way);
+    right = length(right) > 1e-3 ? normalized(right) : Vec3d(1, 0, 0);
+    const Vec3d up = cross(way, right);
+    Transform turn;
+    turn.linear = {{{right.x, up.x, way.x}, {right.y, up.y, way.y}, {right.z, up.z, way.z}}};
+    builder_.add_piece(part_, leaf(0.1, 0.3), tones_[random.below(tones_.size())],
+                       translation(position) * turn * scaling(Vec3d::filled(size)));
+  }
+
+ private:
+  Builder& builder_;
+  std::string part_;
+  std::vector<std::uint32_t> tones_;
+};
+
+/// A cypress: a slender spindle within its leaves.
+void add_cypress(Builder& builder, Topiary& leaves, const Vec3d& place, double height,
+                 Random& random) {
+  const double widest = 0.095 * height;
+  const auto radius = [&](double along) {
+    return widest * std::pow(along, 0.35) * std::pow(1 - along, 0.75) * 1.9;
+  };
+  std::vector<ProfilePoint> spindle;
+  for (int i = 0; i <= 20; ++i) {
+    const double along = i / 20.0;
+    spindle.push_back({i == 20 ? 0 : 0.85 * radius(along), height * (0.03 + 0.96 * along)});
+  }
+  builder.add("cypress", lathe(spindle, 24), leaves.core_material(), translation(place));
+  for (int i = 0; i < 1100; ++i) {
+    const double along = 1 - std::sqrt(1 - 0.995 * random.uniform());
+    const double phi = random.uniform(0, 2 * kPi);
+    const Vec3d out(std::cos(phi), 0, std::sin(phi));
+    const Vec3d at = place + out * (radius(along) * random.uniform(0.75, 1)) +
+                     Vec3d(0, height * (0.03 + 0.96 * along), 0);
+    leaves.add_leaf(at, out, random.uniform(0.16, 0.26), random);
+  }
 }
 
 class Plant {
@@ -214,6 +267,30 @@ void add_plant(Builder& builder, const Vec3d& place) {
   Plant plant(builder, place + Vec3d(0, 0.45, 0));
   plant.grow_all();
   plant.shed(40);
+}
+
+void add_garden(Builder& builder) {
+  Random random = builder.random(4);
+  builder.add("lawn", make_plane(16, 14),
+              builder.material("lawn", {.albedo = {0.16f, 0.27f, 0.07f}}),
+              translation({0, -0.06, kBack - 7.35}));
+  Topiary hedge(builder, "hedge", {0.10f, 0.20f, 0.05f});
+  const Vec3d size(9, 1.25, 0.9);
+  const Vec3d place(0.5, 0.55, kBack - 8.5);
+  builder.add("hedge core", make_box(size), hedge.core_material(), translation(place));
+  for (int i = 0; i < 1100; ++i) {
+    // The top and the side that is seen, by their areas.
+    const bool top = random.uniform() < size.z / (size.z + size.y);
+    const double x = random.uniform(-0.5, 0.5) * size.x;
+    const double s = random.uniform(-0.5, 0.5);
+    const Vec3d at =
+        top ? Vec3d(x, size.y / 2 - 0.02, s * size.z) : Vec3d(x, s * size.y, size.z / 2);
+    hedge.add_leaf(place + at, top ? Vec3d(0, 1, 0) : Vec3d(0, 0, 1), random.uniform(0.10, 0.16),
+                   random);
+  }
+  Topiary cypress(builder, "cypress leaves", {0.07f, 0.15f, 0.05f});
+  add_cypress(builder, cypress, {-0.55, -0.06, kBack - 5.6}, 4.4, random);
+  add_cypress(builder, cypress, {0.62, -0.06, kBack - 6.8}, 3.6, random);
 }
 
 }  // namespace rimlight::terrace

@@ -14,6 +14,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+/// The ring is open towards the sun of `sunny`, which its hollow side gathers on the stone before
+/// it.
+constexpr double kBandAngle = 200 * kPi / 180;
+constexpr double kBandMiddle = 152 * kPi / 180;
+
 /// A smooth profile through points (Catmull and Rom 1974), `steps` a span; radii stay at least 0.
 std::vector<ProfilePoint> smooth_profile(std::span<const ProfilePoint> points, int steps) {
   const auto at = [&](std::size_t i, std::size_t back) {
@@ -53,6 +58,33 @@ Mesh cushion(const Vec3d& size) {
   return mesh;
 }
 
+struct Band {
+  double inner, outer, height;
+};
+
+/// An upright band, bent to a part of a circle: closed at its ends, smooth along its curve.
+Mesh open_band(const Band& band) {
+  const ProfilePoint corners[] = {
+      {band.inner, band.height}, {band.inner, 0}, {band.outer, 0}, {band.outer, band.height}};
+  std::vector<ProfilePoint> creased;
+  for (const ProfilePoint& p : corners) creased.insert(creased.end(), {p, p});
+  creased.push_back(corners[0]);
+  Mesh mesh = lathe(creased, 192, kBandAngle);
+  for (const double phi : {0.0, kBandAngle}) {
+    const Vec3d along(std::cos(phi), 0, -std::sin(phi));
+    const Vec3d side = Vec3d(-std::sin(phi), 0, -std::cos(phi)) * (phi == 0 ? -1.0 : 1.0);
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const ProfilePoint& p : corners) {
+      mesh.positions.push_back(Vec3f(along * p.radius + Vec3d(0, p.height, 0)));
+      mesh.normals.push_back(Vec3f(side));
+      mesh.texture_coordinates.push_back({});
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
+  }
+  return mesh;
+}
+
 Brdf glaze(const Vec3f& albedo, float roughness) {
   return {.model = BrdfModel::cook_torrance,
           .albedo = albedo,
@@ -73,7 +105,7 @@ void add_vase(Builder& builder, const Vec3d& place) {
       {0, 0},         {0.13, 0},      {0.15, 0.015},  {0.155, 0.05}, {0.235, 0.25},  {0.29, 0.46},
       {0.275, 0.65},  {0.18, 0.80},   {0.105, 0.885}, {0.095, 0.96}, {0.135, 1.035}, {0.145, 1.05},
       {0.135, 1.052}, {0.085, 0.965}, {0.09, 0.88},   {0.17, 0.77},  {0.22, 0.5},    {0, 0.3}};
-  builder.add("vase", lathe(smooth_profile(outline, 8), 128),
+  builder.add("vase", lathe(smooth_profile(outline, 5), 96),
               builder.material("cobalt glaze", glaze({0.015f, 0.07f, 0.30f}, 0.05f)),
               translation(place + Vec3d(0, kPlinth, 0)));
 }
@@ -92,15 +124,10 @@ void add_ring(Builder& builder, const Vec3d& place) {
                   .roughness = 0.07f,
                   .eta = {0.19f, 0.54f, 1.36f},
                   .k = {3.29f, 2.23f, 1.93f}};
-  constexpr double kInner = 0.36, kOuter = 0.385, kHeight = 0.13, kRound = 0.006;
-  const ProfilePoint band[] = {
-      {kInner, kRound},           {kInner, kHeight - kRound}, {kInner + kRound, kHeight},
-      {kOuter - kRound, kHeight}, {kOuter, kHeight - kRound}, {kOuter, kRound},
-      {kOuter - kRound, 0},       {kInner + kRound, 0},       {kInner, kRound}};
-  std::vector<ProfilePoint> creased;
-  for (const ProfilePoint& p : band) creased.insert(creased.end(), {p, p});
-  builder.add("gold ring", lathe(creased, 256), builder.material("gold", gold),
-              translation(place + Vec3d(0, kSlab, 0)));
+  builder.add("gold ring", open_band({.inner = 0.40, .outer = 0.425, .height = 0.27}),
+              builder.material("gold", gold),
+              translation(place + Vec3d(0, kSlab, 0)) *
+                  rotation(axis_angle({0, 1, 0}, kBandMiddle - kBandAngle / 2)));
 }
 
 void add_bench(Builder& builder, const Vec3d& place) {
@@ -135,7 +162,7 @@ void add_bowl(Builder& builder, const Vec3d& place) {
   const ProfilePoint outline[] = {{0, 0},        {0.07, 0},      {0.075, 0.012}, {0.14, 0.05},
                                   {0.185, 0.11}, {0.195, 0.135}, {0.187, 0.137}, {0.175, 0.11},
                                   {0.13, 0.06},  {0.06, 0.03},   {0, 0.028}};
-  builder.add("bowl", lathe(smooth_profile(outline, 6), 96),
+  builder.add("bowl", lathe(smooth_profile(outline, 4), 72),
               builder.material("celadon glaze", glaze({0.42f, 0.55f, 0.46f}, 0.12f)),
               translation(place));
   const std::uint32_t orange = builder.material("orange", {.model = BrdfModel::phong,
@@ -145,7 +172,7 @@ void add_bowl(Builder& builder, const Vec3d& place) {
   const Vec3d places[] = {
       {0.062, 0.094, 0.03}, {-0.058, 0.094, 0.045}, {-0.005, 0.097, -0.075}, {0.0, 0.172, 0.0}};
   for (const Vec3d& p : places) {
-    builder.add("orange", make_sphere(0.058, 48), orange, translation(place + p));
+    builder.add("orange", make_sphere(0.058, 36), orange, translation(place + p));
   }
 }
 

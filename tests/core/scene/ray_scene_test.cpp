@@ -174,7 +174,6 @@ TEST(RayScene, AnEmptySceneSeesEverything) {
 }
 
 TEST(RayScene, AClosedShellSeesNothing) {
-  // Edges and corners of shared vertices are watertight.
   const RayScene rays(scene_of({test_sphere({3, -2, 1}, 2, 12)}));
   Random random(36);
   std::vector<Ray> batch;
