@@ -49,8 +49,8 @@ BackgroundMap::BackgroundMap(const CubeLight& texels)
     };
     for (int i = 0; i < size_; ++i) {
       for (int column = 0; column < size_; ++column) {
-        put(face, i + 1, column + 1) =
-            texels.at(static_cast<std::size_t>((face * size_ + i) * size_ + column));
+        const int index = (face * size_ + i) * size_ + column;
+        put(face, i + 1, column + 1) = texels.at(static_cast<std::size_t>(index));
       }
       put(face, i + 1, last) = beyond(cube::Border::right, i);
       put(face, i + 1, 0) = beyond(cube::Border::left, i);
@@ -92,7 +92,8 @@ BackgroundPixels::BackgroundPixels(const PixelLayout& layout, const Camera& came
       const int right = std::min(left + PixelLayout::kTileSide, layout.width);
       for (int y = top; y < bottom; ++y) {
         for (int x = left; x < right; ++x) {
-          const float share = 1 - coverage[static_cast<std::size_t>(y * layout.width + x)];
+          const int index = y * layout.width + x;
+          const float share = 1 - coverage[static_cast<std::size_t>(index)];
           if (!(share > 0)) continue;
           pixels_.push_back(
               {static_cast<std::uint16_t>(x - left), static_cast<std::uint16_t>(y - top), share,

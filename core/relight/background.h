@@ -24,8 +24,10 @@ class BackgroundMap {
   Vec3f at(const Vec3f& direction) const;
 
  private:
+  /// Rows and columns of the bordered face.
   const Vec3f& texel(int face, int row, int column) const {
-    return texels_[static_cast<std::size_t>((face * side_ + row) * side_ + column)];
+    const int index = (face * side_ + row) * side_ + column;
+    return texels_[static_cast<std::size_t>(index)];
   }
 
   int size_;

@@ -53,8 +53,9 @@ void Display::show(const Relighter& relighter, const Background& background, flo
         return std::span(image.channel[c])
             .subspan(static_cast<std::size_t>(y) * TileImage::kSide, width);
       };
-      const auto at = static_cast<std::size_t>((place.top + y) * layout_.width + place.left);
-      tone_map(row(0), row(1), row(2), scale, std::span(frame.bytes).subspan(3 * at, 3 * width));
+      const int first = (place.top + y) * layout_.width + place.left;
+      tone_map(row(0), row(1), row(2), scale,
+               std::span(frame.bytes).subspan(3 * static_cast<std::size_t>(first), 3 * width));
     }
   });
 }

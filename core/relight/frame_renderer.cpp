@@ -147,7 +147,8 @@ struct FrameRenderer::State {
       for (std::size_t i = 0; i < kTileReceivers; ++i) {
         const auto [x, y] = pixels().pixel(tile * kTileReceivers + i);
         if (x >= pixels().width || y >= pixels().height) continue;
-        if (!(bake->coverage()[static_cast<std::size_t>(y * pixels().width + x)] > 0)) continue;
+        const int index = y * pixels().width + x;
+        if (!(bake->coverage()[static_cast<std::size_t>(index)] > 0)) continue;
         const float* const lane =
             radiance.data() + i / kBlockReceivers * kBlockFloats + i % kBlockReceivers;
         result.emplace_back(lane[0], lane[kBlockReceivers], lane[2 * kBlockReceivers]);

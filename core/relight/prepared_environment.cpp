@@ -2,6 +2,7 @@
 
 #include <map>
 #include <mutex>
+#include <tuple>
 #include <utility>
 
 namespace rimlight {
@@ -14,7 +15,7 @@ class Store {
  public:
   Prepared find(const std::shared_ptr<const Environment>& environment, const PreparedSizes& sizes) {
     const std::lock_guard lock(mutex_);
-    const auto found = entries_.find({environment.get(), sizes});
+    const auto found = entries_.find(key_of(environment.get(), sizes));
     // An expired owner's address may belong to another environment by now.
     if (found == entries_.end() || found->second.owner.lock() != environment) return nullptr;
     return found->second.prepared;
@@ -25,17 +26,23 @@ class Store {
                Prepared made) {
     const std::lock_guard lock(mutex_);
     std::erase_if(entries_, [](const auto& item) { return item.second.owner.expired(); });
-    return entries_.try_emplace({environment.get(), sizes}, Entry{environment, std::move(made)})
+    return entries_
+        .try_emplace(key_of(environment.get(), sizes), Entry{environment, std::move(made)})
         .first->second.prepared;
   }
 
  private:
+  using Key = std::tuple<const Environment*, int, int>;
+  static Key key_of(const Environment* environment, const PreparedSizes& sizes) {
+    return {environment, sizes.light, sizes.background};
+  }
+
   struct Entry {
     std::weak_ptr<const Environment> owner;
     Prepared prepared;
   };
   std::mutex mutex_;
-  std::map<std::pair<const Environment*, PreparedSizes>, Entry> entries_;
+  std::map<Key, Entry> entries_;
 };
 
 Store& store() {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <compare>
 #include <memory>
 
 #include "core/light/cube_light.h"
@@ -19,7 +18,6 @@ struct PreparedEnvironment {
 struct PreparedSizes {
   int light = 0;
   int background = 0;
-  friend auto operator<=>(const PreparedSizes&, const PreparedSizes&) = default;
 };
 
 /// The environment's maps: made by the first who asks, then shared by all in the

@@ -65,7 +65,7 @@ class BakeWriter {
   const std::filesystem::path& partial_folder() const { return partial_; }
   /// A tensor file inside the partial folder; its summary goes to add_file() once finished.
   std::unique_ptr<TensorFileWriter> create(const std::string& file,
-                                           std::vector<TensorShape> tensors);
+                                           const std::vector<TensorShape>& tensors);
   void add_file(const std::string& file, const TensorFileWriter::Summary& summary);
 
   /// The transport, tile by tile: `tile(t)` is asked three times for each t, in ascending order

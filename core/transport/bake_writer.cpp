@@ -100,6 +100,7 @@ BakeWriter::BakeWriter(fs::path folder) : folder_(std::move(folder)) {
     fs::create_directories(partial_);
     lock_ = std::make_unique<Lock>(partial_ / kLockFile);
     if (!fs::exists(partial_ / kManifestFile)) return;
+    // Left by a killed commit. Perhaps somebody still maps it: unlinked, never overwritten.
     remove_entries(partial_, [](const std::string& name) { return name == kLockFile; });
   });
 }
@@ -107,9 +108,9 @@ BakeWriter::BakeWriter(fs::path folder) : folder_(std::move(folder)) {
 BakeWriter::~BakeWriter() = default;
 
 std::unique_ptr<TensorFileWriter> BakeWriter::create(const std::string& file,
-                                                     std::vector<TensorShape> tensors) {
+                                                     const std::vector<TensorShape>& tensors) {
   RIMLIGHT_CHECK(is_plain_file_name(file));
-  return std::make_unique<TensorFileWriter>(partial_ / file, std::move(tensors));
+  return std::make_unique<TensorFileWriter>(partial_ / file, tensors);
 }
 
 void BakeWriter::add_file(const std::string& file, const TensorFileWriter::Summary& summary) {

@@ -60,6 +60,7 @@ Entry read_entry(const JsonReader& json, std::size_t data_begin, std::size_t dat
 void check_contiguous(const std::map<std::string, Entry>& entries, std::size_t data_begin,
                       std::size_t file_bytes, const std::string& source) {
   std::vector<std::pair<const std::string*, const Entry*>> sorted;
+  sorted.reserve(entries.size());
   for (const auto& [name, entry] : entries) sorted.emplace_back(&name, &entry);
   std::ranges::sort(
       sorted, {}, [](const auto& item) { return std::pair(item.second->begin, item.second->end); });

@@ -62,7 +62,7 @@ class TensorFileWriter {
  public:
   using Summary = TensorFileSummary;
 
-  TensorFileWriter(const std::filesystem::path& path, std::vector<TensorShape> tensors);
+  TensorFileWriter(const std::filesystem::path& path, const std::vector<TensorShape>& tensors);
   ~TensorFileWriter();
   TensorFileWriter(const TensorFileWriter&) = delete;
   TensorFileWriter& operator=(const TensorFileWriter&) = delete;

@@ -101,7 +101,7 @@ struct TensorFileWriter::State {
 };
 
 TensorFileWriter::TensorFileWriter(const std::filesystem::path& path,
-                                   std::vector<TensorShape> tensors)
+                                   const std::vector<TensorShape>& tensors)
     : state_(std::make_unique<State>()) {
   state_->path = path;
   state_->block.reserve(kHashedBlock);

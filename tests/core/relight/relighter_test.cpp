@@ -161,6 +161,21 @@ TEST(Relighter, AResetBandIsReallyZero) {
   EXPECT_EQ(image_of(session.relighter), image_of(fresh.relighter));
 }
 
+/// What no policy here asks for, but a plan may: PBI resets a band whose held light is zero.
+TEST(Relighter, AnIncrementOfAZeroedBandStartsFromZero) {
+  Session session, fresh;
+  session.frame(PbiPolicy(), moving_light(0), 1000);
+  session.frame(PbiPolicy(), CubeLight(kSize), 1000);
+  const CubeLight target = moving_light(1);
+  const std::size_t column = kHaar.band_begin(1) + 3;
+  UpdatePlan plan;
+  plan.bands = {{}, {BandAction::increment, 0, 1}, {}};
+  plan.columns = {{static_cast<std::uint32_t>(column), target.at(column)}};
+  session.relighter.apply(plan, target);
+  fresh.relighter.apply(plan, target);
+  EXPECT_EQ(image_of(session.relighter), image_of(fresh.relighter));
+}
+
 TEST(Relighter, NwaWithABudgetOfEverythingIsTheExactImageBitForBit) {
   Session session, exact;
   for (int frame = 0; frame < 3; ++frame) {

@@ -4,10 +4,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
@@ -120,6 +122,22 @@ TEST(BakeCrash, KilledAtAnyMomentThereIsTheOldBakeOrTheNewOne) {
   EXPECT_LT(replaced, kKills);
   test::write_small_bake(path, {.scene = "last"});
   EXPECT_EQ(Bake(path).manifest().scene, "last");
+}
+
+/// A commit killed between its rename and the removal of the older bake leaves that one under the
+/// partial name; a server may still show it.
+TEST(BakeCrash, WhatAKilledCommitLeftIsUnlinkedAndNotOverwritten) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.bake", partial = folder / "a.bake.partial";
+  test::write_small_bake(path, {});
+  fs::rename(path, partial);
+  const Bake shown(partial);
+  const auto& arrays = shown.transport().arrays();
+  const std::vector<Half> before(arrays.values.begin(), arrays.values.end());
+  test::write_small_bake(path, {.density = 0.01, .seed = 2});
+  EXPECT_TRUE(std::ranges::equal(before, arrays.values));
+  EXPECT_FALSE(fs::exists(partial));
+  EXPECT_LT(Bake(path).transport().block_count(), shown.transport().block_count());
 }
 
 TEST(BakeWriter, TwoWritersOfOneBakeAreRefused) {
