@@ -28,16 +28,27 @@ struct Responder {
   Vec3f out;  // local
 };
 
-/// One surface's response and shadow rays, texel by texel; reused between pixels of a thread.
+/// Whether a texel's first shadow ray escaped. Untraced: the texel is below the horizon.
+enum class Seen : std::uint8_t { untraced, dark, lit, mixed };
+
+/// One surface of one pixel: its response to the texels that it can see, and what its rays found.
+struct SurfaceWork {
+  PixelSurface surface;
+  std::size_t lane = 0;
+  std::vector<std::uint32_t> texels;
+  std::vector<Vec3f> response;    // beside texels
+  std::vector<float> visibility;  // beside texels
+};
+
+/// What a thread keeps between groups.
 struct Workspace {
-  std::vector<PixelSurface> surfaces;
-  std::vector<std::uint32_t> texels;    // those that the surface can see
-  std::vector<Vec3f> response;          // beside texels
-  std::vector<std::int8_t> first_seen;  // per texel of the cube: −1 not traced, else 0 or 1
-  std::vector<float> seen;              // beside texels: sum over rays
-  std::vector<std::uint32_t> refined;   // positions in texels
+  std::vector<PixelSurface> found;
+  std::vector<SurfaceWork> surfaces;
+  std::size_t surface_count = 0;
+  std::array<std::vector<Seen>, kGroupLanes> seen;  // [lane][texel], over the lane's surfaces
   std::vector<Ray> rays;
   std::vector<std::uint8_t> visible;
+  std::vector<std::uint32_t> refined;  // positions in a surface's texels
 };
 
 bool above(const SurfaceHit& hit, const Vec3f& direction) {
@@ -75,14 +86,14 @@ struct DirectTransport::Tables {
     }
   }
 
-  /// A uniformly jittered direction inside a texel.
-  Vec3f jittered(std::size_t texel, Random& random) const {
+  /// The direction at (u, v) in [0, 1)² of a texel.
+  Vec3f inside(std::size_t texel, const Sample2& at) const {
     const auto side = static_cast<std::size_t>(size);
     const cube::FaceAxes& axes = cube::face_axes(static_cast<int>(texel / (side * side)));
     const auto column = static_cast<double>(texel % side);
     const auto row = static_cast<double>(texel / side % side);
-    const double x = 2 * (column + random.uniform()) / size - 1;
-    const double y = 2 * (row + random.uniform()) / size - 1;
+    const double x = 2 * (column + at.u) / size - 1;
+    const double y = 2 * (row + at.v) / size - 1;
     return normalized(Vec3f(axes.axis + axes.right * x + axes.up * y));
   }
 };
@@ -112,40 +123,179 @@ Vec3f respond(const PixelSurface& surface, const Responder& responder,
   return evaluate(surface.brdf, in, responder.out) * (cosine * point.solid_angle);
 }
 
-/// A shadow ray from a random hit of the surface to a jittered direction that it can see; up to a
-/// few tries where the texel straddles the horizon, then the middle of the quarter it sees best.
-Ray shadow_ray(const PixelSurface& surface, const std::array<QuadraturePoint, kQuadrature>& points,
-               const auto& jittered, Random& random) {
-  constexpr int kTries = 4;
-  const SurfaceHit& hit = *surface.hits[random.below(surface.hits.size())];
-  for (int i = 0; i < kTries; ++i) {
-    const Vec3f direction = jittered(random);
-    if (above(hit, direction)) return {RayScene::ray_origin(hit, direction), direction};
+/// The surface's response to every texel that it can see.
+template <typename Tables>
+void find_response(SurfaceWork& work, const Tables& tables) {
+  work.texels.clear();
+  work.response.clear();
+  const auto some = responders(work.surface);
+  for (std::size_t texel = 0; texel < tables.points.size(); ++texel) {
+    const bool sees = std::any_of(some.begin(), some.end(), [&](const Responder& one) {
+      return dot(one.hit->shading_normal, tables.middle[texel]) > -tables.half_diagonal;
+    });
+    if (!sees) continue;
+    Vec3f sum;
+    for (std::size_t i = 0; i < kQuadrature; ++i) {
+      sum += respond(work.surface, some[i], tables.points[texel][i]);
+    }
+    if (!(max_component(sum) > 0)) continue;
+    work.texels.push_back(static_cast<std::uint32_t>(texel));
+    work.response.push_back(sum * work.surface.share);
   }
-  const auto best =
-      std::max_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
-        return dot(hit.shading_normal, a.direction) < dot(hit.shading_normal, b.direction);
-      });
-  return {RayScene::ray_origin(hit, best->direction), best->direction};
 }
 
-/// Whether the four neighbours on the face that were traced disagree among themselves.
-bool neighbours_disagree(const std::vector<std::int8_t>& seen, std::size_t texel, int size) {
-  const auto side = static_cast<std::size_t>(size);
-  const std::size_t column = texel % side;
-  const std::size_t row = texel / side % side;
+/// The shadow rays of one texel of one surface: ray i starts at the i-th of the surface's hits and
+/// goes to the i-th point of an R2 sequence, both from a random begin, so that few rays cover pixel
+/// and texel evenly.
+template <typename Tables>
+class TexelRays {
+ public:
+  TexelRays(const PixelSurface& surface, const Tables& tables, std::uint32_t texel,
+            std::uint64_t seed)
+      : surface_(surface), tables_(tables), texel_(texel) {
+    Random random(seed, texel);
+    shift_ = random_sample(random);
+    first_hit_ = random.below(surface.hits.size());
+  }
+
+  Ray ray(int i) const {
+    // An odd stride visits the hits far apart first; all of them in the end.
+    constexpr std::size_t kHitStride = 7;
+    const std::size_t count = surface_.hits.size();
+    const SurfaceHit& hit =
+        *surface_.hits[(first_hit_ + kHitStride * static_cast<std::size_t>(i)) % count];
+    const Vec3f direction = tables_.inside(texel_, r2_point(shift_, i));
+    if (above(hit, direction)) return {RayScene::ray_origin(hit, direction), direction};
+    // The texel straddles the horizon: the middle of the quarter that the hit sees best.
+    const auto& quarters = tables_.points[texel_];
+    const auto best =
+        std::max_element(quarters.begin(), quarters.end(), [&hit](const auto& a, const auto& b) {
+          return dot(hit.shading_normal, a.direction) < dot(hit.shading_normal, b.direction);
+        });
+    return {RayScene::ray_origin(hit, best->direction), best->direction};
+  }
+
+ private:
+  const PixelSurface& surface_;
+  const Tables& tables_;
+  std::uint32_t texel_;
+  Sample2 shift_;
+  std::size_t first_hit_;
+};
+
+/// The place of a lane in its group, and back: PixelLayout's order of blocks of 4×2.
+struct LanePlace {
+  int x, y;
+};
+LanePlace place_of(std::size_t lane) {
+  const PixelLayout::Pixel pixel =
+      PixelLayout{PixelLayout::kTileSide, PixelLayout::kTileSide}.pixel(lane);
+  return {pixel.x, pixel.y};
+}
+std::size_t lane_at(int x, int y) {
+  return PixelLayout{PixelLayout::kTileSide, PixelLayout::kTileSide}.receiver(x, y);
+}
+
+/// The lanes around each lane of a group.
+std::array<std::vector<std::size_t>, kGroupLanes> lanes_around() {
+  std::array<std::vector<std::size_t>, kGroupLanes> result;
+  for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
+    const LanePlace at = place_of(lane);
+    for (int y = std::max(at.y - 1, 0); y <= std::min(at.y + 1, PixelLayout::kGroupSide - 1); ++y) {
+      for (int x = std::max(at.x - 1, 0); x <= std::min(at.x + 1, PixelLayout::kGroupSide - 1);
+           ++x) {
+        if (lane_at(x, y) != lane) result[lane].push_back(lane_at(x, y));
+      }
+    }
+  }
+  return result;
+}
+
+/// Whether first rays around (lane, texel) disagree: those of the eight texels around it on its
+/// face, and of the same texel in the eight pixels around it. Its own ray has no say.
+bool surroundings_disagree(const Workspace& work, std::size_t lane, std::size_t texel, int size) {
+  static const auto kAround = lanes_around();
   bool any_lit = false;
   bool any_dark = false;
-  const auto look = [&](bool inside, std::size_t neighbour) {
-    if (!inside) return;
-    any_lit |= seen[neighbour] == 1;
-    any_dark |= seen[neighbour] == 0;
+  const auto look = [&](Seen seen) {
+    any_lit |= seen == Seen::lit || seen == Seen::mixed;
+    any_dark |= seen == Seen::dark || seen == Seen::mixed;
   };
-  look(column > 0, texel - 1);
-  look(column + 1 < side, texel + 1);
-  look(row > 0, texel - side);
-  look(row + 1 < side, texel + side);
+  const int column = static_cast<int>(texel) % size;
+  const int row = static_cast<int>(texel) / size % size;
+  for (int y = std::max(row - 1, 0); y <= std::min(row + 1, size - 1); ++y) {
+    for (int x = std::max(column - 1, 0); x <= std::min(column + 1, size - 1); ++x) {
+      if (x == column && y == row) continue;
+      look(work.seen[lane][static_cast<std::size_t>(static_cast<int>(texel) + (y - row) * size + x -
+                                                    column)]);
+    }
+  }
+  for (const std::size_t other : kAround[lane]) look(work.seen[other][texel]);
   return any_lit && any_dark;
+}
+
+/// Finds every lane's surfaces and their responses.
+template <typename Tables>
+void find_responses(const GroupSamples& samples, const Tables& tables, Workspace& work) {
+  work.surface_count = 0;
+  for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
+    find_surfaces(samples, lane, work.found);
+    for (PixelSurface& surface : work.found) {
+      if (work.surface_count == work.surfaces.size()) work.surfaces.emplace_back();
+      SurfaceWork& one = work.surfaces[work.surface_count++];
+      std::swap(one.surface, surface);
+      one.lane = lane;
+      find_response(one, tables);
+    }
+  }
+}
+
+/// One shadow ray to each texel of each surface.
+template <typename Tables>
+void cast_first_rays(const RayScene& scene, const Tables& tables, std::uint64_t seed,
+                     Workspace& work) {
+  for (auto& seen : work.seen) seen.assign(tables.points.size(), Seen::untraced);
+  for (std::size_t s = 0; s < work.surface_count; ++s) {
+    SurfaceWork& one = work.surfaces[s];
+    work.rays.clear();
+    for (const std::uint32_t texel : one.texels) {
+      work.rays.push_back(TexelRays(one.surface, tables, texel, mix_bits(seed + s)).ray(0));
+    }
+    work.visible.resize(work.rays.size());
+    scene.visible(work.rays, {}, work.visible);
+    one.visibility.resize(one.texels.size());
+    for (std::size_t i = 0; i < one.texels.size(); ++i) {
+      one.visibility[i] = work.visible[i];
+      const Seen now = work.visible[i] != 0 ? Seen::lit : Seen::dark;
+      Seen& seen = work.seen[one.lane][one.texels[i]];
+      seen = seen == Seen::untraced || seen == now ? now : Seen::mixed;
+    }
+  }
+}
+
+/// More shadow rays where the surroundings disagree.
+template <typename Tables>
+void refine(const RayScene& scene, const Tables& tables, std::uint64_t seed, Workspace& work) {
+  for (std::size_t s = 0; s < work.surface_count; ++s) {
+    SurfaceWork& one = work.surfaces[s];
+    work.rays.clear();
+    work.refined.clear();
+    for (std::size_t i = 0; i < one.texels.size(); ++i) {
+      if (!surroundings_disagree(work, one.lane, one.texels[i], tables.size)) continue;
+      work.refined.push_back(static_cast<std::uint32_t>(i));
+      const TexelRays rays(one.surface, tables, one.texels[i], mix_bits(seed + s));
+      for (int ray = 1; ray <= kMoreShadowRays; ++ray) work.rays.push_back(rays.ray(ray));
+    }
+    work.visible.resize(work.rays.size());
+    scene.visible(work.rays, {}, work.visible);
+    for (std::size_t i = 0; i < work.refined.size(); ++i) {
+      float& visibility = one.visibility[work.refined[i]];
+      for (std::size_t ray = 0; ray < kMoreShadowRays; ++ray) {
+        visibility += work.visible[i * kMoreShadowRays + ray];
+      }
+      visibility /= 1 + kMoreShadowRays;
+    }
+  }
 }
 
 }  // namespace
@@ -155,83 +305,19 @@ DirectTransport::DirectTransport(const RayScene& scene, int cube_size)
 
 DirectTransport::~DirectTransport() = default;
 
-namespace {
-
-/// The surface's response to every texel that it can see.
-template <typename Tables>
-void find_response(const PixelSurface& surface, const Tables& tables, Workspace& work) {
-  work.texels.clear();
-  work.response.clear();
-  const auto some = responders(surface);
-  for (std::size_t texel = 0; texel < tables.points.size(); ++texel) {
-    const bool sees = std::any_of(some.begin(), some.end(), [&](const Responder& one) {
-      return dot(one.hit->shading_normal, tables.middle[texel]) > -tables.half_diagonal;
-    });
-    if (!sees) continue;
-    Vec3f sum;
-    for (std::size_t i = 0; i < kQuadrature; ++i) {
-      sum += respond(surface, some[i], tables.points[texel][i]);
-    }
-    if (!(max_component(sum) > 0)) continue;
-    work.texels.push_back(static_cast<std::uint32_t>(texel));
-    work.response.push_back(sum * surface.share);
-  }
-}
-
-/// First one shadow ray a texel, then more where the neighbours disagree.
-template <typename Tables>
-void find_visibility(const RayScene& scene, const PixelSurface& surface, const Tables& tables,
-                     Random& random, Workspace& work) {
-  const auto cast = [&](std::uint32_t texel) {
-    work.rays.push_back(shadow_ray(
-        surface, tables.points[texel],
-        [&](Random& source) { return tables.jittered(texel, source); }, random));
-  };
-  work.rays.clear();
-  for (const std::uint32_t texel : work.texels) cast(texel);
-  work.visible.resize(work.rays.size());
-  scene.visible(work.rays, {}, work.visible);
-
-  work.first_seen.assign(tables.points.size(), -1);
-  work.seen.resize(work.texels.size());
-  for (std::size_t i = 0; i < work.texels.size(); ++i) {
-    work.first_seen[work.texels[i]] = static_cast<std::int8_t>(work.visible[i]);
-    work.seen[i] = work.visible[i];
-  }
-  work.rays.clear();
-  work.refined.clear();
-  for (std::size_t i = 0; i < work.texels.size(); ++i) {
-    if (!neighbours_disagree(work.first_seen, work.texels[i], tables.size)) continue;
-    work.refined.push_back(static_cast<std::uint32_t>(i));
-    for (int ray = 0; ray < kMoreShadowRays; ++ray) cast(work.texels[i]);
-  }
-  work.visible.resize(work.rays.size());
-  scene.visible(work.rays, {}, work.visible);
-  for (std::size_t i = 0; i < work.refined.size(); ++i) {
-    float& seen = work.seen[work.refined[i]];
-    for (int ray = 0; ray < kMoreShadowRays; ++ray) {
-      seen += work.visible[i * kMoreShadowRays + static_cast<std::size_t>(ray)];
-    }
-    seen /= 1 + kMoreShadowRays;
-  }
-}
-
-}  // namespace
-
 void DirectTransport::add(const GroupSamples& samples, std::uint64_t seed, GroupRows& rows) const {
   thread_local Workspace work;
-  for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
-    Random random(seed, lane);
-    find_surfaces(samples, lane, work.surfaces);
-    for (const PixelSurface& surface : work.surfaces) {
-      find_response(surface, *tables_, work);
-      find_visibility(scene_, surface, *tables_, random, work);
-      for (std::size_t i = 0; i < work.texels.size(); ++i) {
-        if (work.seen[i] == 0) continue;
-        float* const row = rows.row(work.texels[i]);
-        const Vec3f value = work.response[i] * work.seen[i];
-        for (int c = 0; c < 3; ++c)
-          row[static_cast<std::size_t>(c) * kGroupLanes + lane] += value[c];
+  find_responses(samples, *tables_, work);
+  cast_first_rays(scene_, *tables_, seed, work);
+  refine(scene_, *tables_, seed, work);
+  for (std::size_t s = 0; s < work.surface_count; ++s) {
+    const SurfaceWork& one = work.surfaces[s];
+    for (std::size_t i = 0; i < one.texels.size(); ++i) {
+      if (one.visibility[i] == 0) continue;
+      float* const row = rows.row(one.texels[i]);
+      const Vec3f value = one.response[i] * one.visibility[i];
+      for (int c = 0; c < 3; ++c) {
+        row[static_cast<std::size_t>(c) * kGroupLanes + one.lane] += value[c];
       }
     }
   }

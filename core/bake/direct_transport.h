@@ -14,10 +14,10 @@ namespace rimlight {
 ///
 /// A pixel's primary hits are grouped into surfaces (same material, like normals), since their mean
 /// response is smooth over t and only the visibility V_t is random: noise in the smooth factor
-/// would fill every fine band. The factor is a 2×2 quadrature inside each texel; V_t is the mean of
-/// shadow rays at jittered directions from random hits of the surface: one ray, and four more where
-/// the neighbouring texels disagree. (That test leaves t's own ray out, so that the mean stays
-/// unbiased.)
+/// would fill every fine band. The factor is a 2×2 quadrature inside each texel. V_t is the mean of
+/// shadow rays from the surface's hits to points spread over the texel: one ray, and four more
+/// where the first rays around it disagree, in the texels and in the pixels around. (t's own ray
+/// has no say in that, so that the mean stays unbiased.)
 class DirectTransport {
  public:
   /// Keeps the scene; `cube_size` is N.

@@ -1,9 +1,8 @@
 #include "core/bake/group.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "core/math/random.h"
+#include "core/math/sampling.h"
 
 namespace rimlight {
 
@@ -19,9 +18,6 @@ float GroupSamples::coverage(std::size_t lane) const {
 
 void sample_group(const RayScene& scene, const PixelLayout& layout, std::size_t first_receiver,
                   int rays, std::uint64_t seed, GroupSamples& samples) {
-  // The two irrational steps of the R2 sequence: powers of the inverse plastic number.
-  constexpr double kStepX = 0.7548776662466927;
-  constexpr double kStepY = 0.5698402909980532;
   const Camera& camera = scene.scene().camera;
   const Vec3f origin(camera.position);
   samples.rays = rays;
@@ -31,12 +27,11 @@ void sample_group(const RayScene& scene, const PixelLayout& layout, std::size_t 
     const PixelLayout::Pixel pixel = layout.pixel(first_receiver + lane);
     if (pixel.x >= layout.width || pixel.y >= layout.height) continue;
     Random random(seed, first_receiver + lane);
-    const double shift_x = random.uniform();
-    const double shift_y = random.uniform();
+    const Sample2 shift = random_sample(random);
     for (int ray = 0; ray < rays; ++ray) {
-      const double x = pixel.x + std::fmod(shift_x + ray * kStepX, 1.0);
-      const double y = pixel.y + std::fmod(shift_y + ray * kStepY, 1.0);
-      const Vec3f direction(camera.ray_direction(x, y, layout.width, layout.height));
+      const Sample2 at = r2_point(shift, ray);
+      const Vec3f direction(
+          camera.ray_direction(pixel.x + at.u, pixel.y + at.v, layout.width, layout.height));
       const std::size_t index =
           lane * static_cast<std::size_t>(rays) + static_cast<std::size_t>(ray);
       samples.hits[index] = scene.intersect({origin, direction});

@@ -10,6 +10,9 @@
 namespace rimlight {
 namespace {
 
+/// How many more shadow rays the second points get where a glossy surface looks at them.
+constexpr int kGlossyFactor = 8;
+
 /// A path that goes on from a shared point: its last surface point, and what it carries.
 struct Path {
   std::size_t point = 0;  // of the layer: its weights
@@ -62,7 +65,7 @@ class Gatherer {
       make_shared_layer(scene_, samples, ray, random_, work_.layer);
       begin_paths();
       for (int bounce = 1; bounce <= settings_.bounces && !work_.paths.empty(); ++bounce) {
-        gather(bounce == 1 ? settings_.first_rays : settings_.later_rays);
+        gather(bounce == 1 ? first_rays() : settings_.later_rays);
         if (bounce < settings_.bounces) extend_paths();
       }
     }
@@ -78,8 +81,17 @@ class Gatherer {
     }
   }
 
+  /// A glossy viewer looks at few of the points: each must be known well.
+  int first_rays() const {
+    const auto& viewers = work_.layer.viewers;
+    const bool glossy = std::any_of(viewers.begin(), viewers.end(),
+                                    [](const auto& viewer) { return is_glossy(viewer.hit->brdf); });
+    return glossy ? kGlossyFactor * settings_.first_rays : settings_.first_rays;
+  }
+
   /// Shadow rays from every path's last point, in one stream; those that escape deposit.
   void gather(int rays) {
+    layer_shift_ = random_sample(random_);
     work_.deposits.clear();
     work_.rays.clear();
     for (std::size_t i = 0; i < work_.paths.size(); ++i) draw_directions(i, rays);
@@ -94,12 +106,11 @@ class Gatherer {
     const Path& path = work_.paths[index];
     const Brdf& brdf = path.hit.brdf;
     const Frame<float> frame(path.hit.shading_normal);
-    // Strata: an R2 sequence with a random shift covers the lobe evenly at any number of rays.
-    const Sample2 shift = random_sample(random_);
+    // An R2 sequence covers the lobe evenly at any number of rays; each path goes on where the one
+    // before it stopped, so that neighbouring points complete each other.
     const double choice_shift = random_.uniform();
     for (int ray = 0; ray < rays; ++ray) {
-      const Sample2 at{fraction(shift.u + ray * 0.7548776662466927),
-                       fraction(shift.v + ray * 0.5698402909980532)};
+      const Sample2 at = r2_point(layer_shift_, static_cast<int>(index) * rays + ray);
       const auto choice = static_cast<float>(fraction(choice_shift + ray * std::numbers::phi));
       const Vec3f out = frame.to_local(reflects_alike(path) ? path.out : random_out(path));
       const auto drawn = sample(brdf, out, choice, at);
@@ -252,6 +263,7 @@ class Gatherer {
   GroupRows& rows_;
   Random& random_;
   Workspace& work_;
+  Sample2 layer_shift_;
 };
 
 }  // namespace

@@ -15,8 +15,8 @@ struct IndirectSettings {
   /// only the bands below it hold it, so that its noise does not fill the fine ones. At most
   /// cube_size.
   int coarse_size = 8;
-  int first_rays = 64;  // shadow rays from each second surface point
-  int later_rays = 16;  // and from each point after it
+  int first_rays = 32;  // shadow rays from each second surface point
+  int later_rays = 8;   // and from each point after it
 };
 
 /// Light that reaches a pixel's surfaces by way of others. A group's 64 pixels share their second

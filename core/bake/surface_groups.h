@@ -18,7 +18,7 @@ struct PixelSurface {
 };
 
 /// Groups a lane's hits into at most kMostSurfaces surfaces; later odd hits join the nearest.
-inline constexpr std::size_t kMostSurfaces = 6;
+inline constexpr std::size_t kMostSurfaces = 4;
 void find_surfaces(const GroupSamples& samples, std::size_t lane,
                    std::vector<PixelSurface>& surfaces);
 

@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #include <xmmintrin.h>
 
 #include <memory>
@@ -84,6 +85,14 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
         for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
       },
       tbb::simple_partitioner());
+}
+
+void run_alone(const std::function<void()>& body) {
+  tbb::task_arena arena(1);
+  arena.execute([&body] {
+    flush_denormals();
+    body();
+  });
 }
 
 }  // namespace rimlight

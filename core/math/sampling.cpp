@@ -11,6 +11,14 @@ Sample2 random_sample(Random& random) {
   return {u, random.uniform()};
 }
 
+Sample2 r2_point(const Sample2& shift, int i) {
+  constexpr double kStepU = 0.7548776662466927;
+  constexpr double kStepV = 0.5698402909980532;
+  const double u = shift.u + i * kStepU;
+  const double v = shift.v + i * kStepV;
+  return {u - std::floor(u), v - std::floor(v)};
+}
+
 Vec3d uniform_sphere(const Sample2& sample) {
   const double z = 1 - 2 * sample.u;
   const double r = std::sqrt(std::max(0.0, 1 - z * z));

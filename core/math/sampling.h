@@ -12,6 +12,10 @@ struct Sample2 {
 
 Sample2 random_sample(Random& random);
 
+/// Point i of the R2 sequence, shifted: shift + i · (1/ρ, 1/ρ²) modulo 1, ρ the plastic number. Any
+/// number of first points covers the unit square evenly (Roberts 2018). i ≥ 0.
+Sample2 r2_point(const Sample2& shift, int i);
+
 /// A unit direction, uniform over the sphere.
 Vec3d uniform_sphere(const Sample2& sample);
 

@@ -12,6 +12,7 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/base/parallel.h"
 #include "core/scene/texture.h"
 
 namespace rimlight {
@@ -141,8 +142,8 @@ RayScene::RayScene(std::shared_ptr<const Scene> scene) : state_(std::make_unique
   RIMLIGHT_CHECK(scene != nullptr);
   flush_denormals();
   state_->source = std::move(scene);
-  // One thread: Embree's parallel builders split by work stealing, which may change the tree.
-  state_->device.reset(rtcNewDevice("threads=1,set_affinity=0"));
+  // Not "threads=1", which would hold the whole process to one thread as long as the device lives.
+  state_->device.reset(rtcNewDevice("set_affinity=0"));
   RTCDevice const device = state_->device.get();
   if (device == nullptr) throw Error("Embree", "no device", "a CPU with SSE2");
   state_->tree.reset(rtcNewScene(device));
@@ -155,7 +156,9 @@ RayScene::RayScene(std::shared_ptr<const Scene> scene) : state_(std::make_unique
     attach(device, tree, state_->source->meshes[i], static_cast<unsigned>(i));
   }
   check_device(device, state_->source->name);
-  rtcCommitScene(tree);
+  // Alone: Embree's parallel builders split by work stealing, which may change the tree. Joining
+  // makes Embree work in our arena instead of its own.
+  run_alone([tree] { rtcJoinCommitScene(tree); });
   check_device(device, state_->source->name);
   RTCBounds bounds{};
   rtcGetSceneBounds(tree, &bounds);

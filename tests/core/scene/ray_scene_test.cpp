@@ -1,5 +1,7 @@
 #include "core/scene/ray_scene.h"
 
+#include "core/base/parallel.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -270,6 +272,12 @@ TEST(RayScene, TheTextureMultipliesTheAlbedo) {
   }
   // Halfway between four pixels: their mean.
   EXPECT_LT(length(albedo(0.25f, 0.25f) - Vec3f(0.25f, 0.25f, 0.25f)), 1e-5f);
+}
+
+TEST(RayScene, LeavesAllThreadsToTheRestOfTheProgram) {
+  const int before = thread_count();
+  const RayScene rays(std::make_shared<const Scene>());
+  EXPECT_EQ(thread_count(), before);
 }
 
 }  // namespace
