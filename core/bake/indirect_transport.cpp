@@ -1,6 +1,7 @@
 #include "core/bake/indirect_transport.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct Deposit {
   Vec3f direction;
   Vec3f diffuse;      // goes to the coarse texels
   Vec3f glossy;       // goes to the fine ones
+  float share = 1;    // of the point's estimate
   float density = 0;  // of the direction where viewers share it, else 0
 };
 
@@ -65,7 +67,7 @@ class Gatherer {
       make_shared_layer(scene_, samples, ray, random_, work_.layer);
       begin_paths();
       for (int bounce = 1; bounce <= settings_.bounces && !work_.paths.empty(); ++bounce) {
-        gather(bounce == 1 ? first_rays() : settings_.later_rays);
+        gather(bounce);
         if (bounce < settings_.bounces) extend_paths();
       }
     }
@@ -81,24 +83,34 @@ class Gatherer {
     }
   }
 
-  /// A glossy viewer looks at few of the points: each must be known well.
-  int first_rays() const {
+  /// Whether a glossy surface looks at the layer's points. It looks at few of them, so that each
+  /// must be known well: a small bright light that one point finds and the next misses would show.
+  bool glossy_viewers() const {
     const auto& viewers = work_.layer.viewers;
-    const bool glossy = std::any_of(viewers.begin(), viewers.end(),
-                                    [](const auto& viewer) { return is_glossy(viewer.hit->brdf); });
-    return glossy ? kGlossyFactor * settings_.first_rays : settings_.first_rays;
+    return std::any_of(viewers.begin(), viewers.end(),
+                       [](const auto& viewer) { return is_glossy(viewer.hit->brdf); });
   }
 
   /// Shadow rays from every path's last point, in one stream; those that escape deposit.
-  void gather(int rays) {
+  void gather(int bounce) {
     layer_shift_ = random_sample(random_);
+    const bool every_cell = bounce == 1 && glossy_viewers();
+    const int rays = bounce > 1   ? settings_.later_rays
+                     : every_cell ? kGlossyFactor * settings_.first_rays
+                                  : settings_.first_rays;
     work_.deposits.clear();
     work_.rays.clear();
-    for (std::size_t i = 0; i < work_.paths.size(); ++i) draw_directions(i, rays);
+    for (std::size_t i = 0; i < work_.paths.size(); ++i) {
+      if (every_cell && work_.paths[i].hit.brdf.model == BrdfModel::lambert) {
+        draw_cells(i);
+      } else {
+        draw_directions(i, rays);
+      }
+    }
     work_.visible.resize(work_.rays.size());
     scene_.visible(work_.rays, {}, work_.visible);
     for (std::size_t i = 0; i < work_.deposits.size(); ++i) {
-      if (work_.visible[i] != 0) deposit(work_.deposits[i], 1.0f / static_cast<float>(rays));
+      if (work_.visible[i] != 0) deposit(work_.deposits[i]);
     }
   }
 
@@ -118,6 +130,30 @@ class Gatherer {
       const Vec3f direction = frame.to_world(drawn->direction);
       if (!leaves_front(path.hit, direction)) continue;
       work_.deposits.push_back(make_deposit(index, *drawn, direction, out, frame));
+      work_.deposits.back().share = 1 / static_cast<float>(rays);
+      work_.rays.push_back({RayScene::ray_origin(path.hit, direction), direction});
+    }
+  }
+
+  /// One shadow ray to every coarse texel above a Lambert point's horizon.
+  void draw_cells(std::size_t index) {
+    const Path& path = work_.paths[index];
+    const int size = settings_.coarse_size;
+    const double area = 4.0 / (size * size);
+    for (int cell = 0; cell < static_cast<int>(cube::texel_count(size)); ++cell) {
+      const Sample2 at = random_sample(random_);
+      const double x = 2 * (cell % size + at.u) / size - 1;
+      const double y = 2 * (cell / size % size + at.v) / size - 1;
+      const Vec3f direction(cube::direction({cell / (size * size), x, y}));
+      if (!leaves_front(path.hit, direction)) continue;
+      const float cosine = dot(path.hit.shading_normal, direction);
+      const auto solid_angle = static_cast<float>(area / std::pow(1 + x * x + y * y, 1.5));
+      Deposit deposit;
+      deposit.path = index;
+      deposit.direction = direction;
+      deposit.diffuse = path.throughput * path.hit.brdf.albedo *
+                        (std::numbers::inv_pi_v<float> * cosine * solid_angle);
+      work_.deposits.push_back(deposit);
       work_.rays.push_back({RayScene::ray_origin(path.hit, direction), direction});
     }
   }
@@ -125,7 +161,9 @@ class Gatherer {
   Deposit make_deposit(std::size_t index, const BrdfSample& drawn, const Vec3f& direction,
                        const Vec3f& out, const Frame<float>& frame) const {
     const Path& path = work_.paths[index];
-    Deposit result{index, direction, {}, {}, 0};
+    Deposit result;
+    result.path = index;
+    result.direction = direction;
     if (!reflects_alike(path)) {
       result.density = shared_density(path, frame, drawn.direction);
     } else if (!is_glossy(path.hit.brdf)) {
@@ -140,7 +178,7 @@ class Gatherer {
     return result;
   }
 
-  void deposit(const Deposit& what, float share) {
+  void deposit(const Deposit& what) {
     const Path& path = work_.paths[what.path];
     float* const coarse = work_.coarse.data() +
                           cube::texel_of(Vec3d(what.direction), settings_.coarse_size) * kRowLanes;
@@ -148,12 +186,13 @@ class Gatherer {
     const float* const weights = work_.layer.weight(path.point);
     if (what.density == 0) {
       if (max_component(what.diffuse) > 0)
-        add_weighted_lanes(weights, what.diffuse * share, coarse);
-      if (max_component(what.glossy) > 0) add_weighted_lanes(weights, what.glossy * share, fine);
+        add_weighted_lanes(weights, what.diffuse * what.share, coarse);
+      if (max_component(what.glossy) > 0)
+        add_weighted_lanes(weights, what.glossy * what.share, fine);
       return;
     }
     reflect_to_viewers(path, what.direction, weights);
-    const Vec3f value = Vec3f::filled(share / what.density);
+    const Vec3f value = Vec3f::filled(what.share / what.density);
     add_weighted_lanes(work_.diffuse_weights.data(), value, coarse);
     if (is_glossy(path.hit.brdf)) {
       add_weighted_lanes(work_.glossy_weights.data(), value, fine);

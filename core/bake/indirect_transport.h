@@ -15,7 +15,7 @@ struct IndirectSettings {
   /// only the bands below it hold it, so that its noise does not fill the fine ones. At most
   /// cube_size.
   int coarse_size = 8;
-  int first_rays = 32;  // shadow rays from each second surface point
+  int first_rays = 48;  // shadow rays from each second surface point
   int later_rays = 8;   // and from each point after it
 };
 
