@@ -1,6 +1,7 @@
 #include "core/bake/compression.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/base/parallel.h"
@@ -56,11 +57,19 @@ LightImages compressed_images(const TileStore& store, std::span<const CubeLight>
   std::vector<LightImages> tiles(store.shape().tiles, LightImages(lights.size()));
   parallel_for(tiles.size(), [&](std::size_t tile) {
     const TileTransport kept = prune(store.transport(tile), weights, threshold);
-    const Transport transport(std::span(&kept, 1));
+    const std::array<std::uint64_t, 2> blocks = {0, kept.block_count()};
+    const TransportView view({.tile_count = 1,
+                              .column_count = kept.column_count(),
+                              .tile_first_block = blocks,
+                              .column_offset = kept.column_offset,
+                              .column_scale = kept.column_scale,
+                              .block_index = kept.block_index,
+                              .values = kept.value},
+                             "a finished tile");
     const std::vector<float> coverage = store.check(tile).coverage;
     for (std::size_t light = 0; light < lights.size(); ++light) {
       Radiance radiance(1);
-      add_columns(transport.view(), 0, deltas[light], radiance.tile(0));
+      add_columns(view, 0, deltas[light], radiance.tile(0));
       tiles[tile][light] = covered(radiance, coverage);
     }
   });

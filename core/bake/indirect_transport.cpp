@@ -11,8 +11,8 @@
 namespace rimlight {
 namespace {
 
-/// How many more shadow rays the second points get where a glossy surface looks at them.
-constexpr int kGlossyFactor = 8;
+/// How many more shadow rays a glossy point gets that is seen by glossy surfaces only.
+constexpr int kSharpFactor = 8;
 
 /// A path that goes on from a shared point: its last surface point, and what it carries.
 struct Path {
@@ -21,6 +21,9 @@ struct Path {
   Vec3f out;                  // towards the previous point, world
   Vec3f throughput{1, 1, 1};  // from hit back to the shared point
   bool first = true;          // hit is the shared point itself
+  /// Every surface from the viewers to here is glossy. They look at few points, so that each must
+  /// be known well: a small bright light that one point finds and the next misses would show.
+  bool sharp = false;
 };
 
 /// A shadow ray's deposit when it escapes.
@@ -76,15 +79,15 @@ class Gatherer {
 
  private:
   void begin_paths() {
+    const bool sharp = glossy_viewers();
     work_.paths.clear();
     for (std::size_t p = 0; p < work_.layer.points.size(); ++p) {
       const SharedLayer::Point& point = work_.layer.points[p];
-      work_.paths.push_back({p, point.hit, point.out, {1, 1, 1}, true});
+      work_.paths.push_back({p, point.hit, point.out, {1, 1, 1}, true, sharp});
     }
   }
 
-  /// Whether a glossy surface looks at the layer's points. It looks at few of them, so that each
-  /// must be known well: a small bright light that one point finds and the next misses would show.
+  /// Whether a glossy surface looks at the layer's points.
   bool glossy_viewers() const {
     const auto& viewers = work_.layer.viewers;
     return std::any_of(viewers.begin(), viewers.end(),
@@ -94,17 +97,15 @@ class Gatherer {
   /// Shadow rays from every path's last point, in one stream; those that escape deposit.
   void gather(int bounce) {
     layer_shift_ = random_sample(random_);
-    const bool every_cell = bounce == 1 && glossy_viewers();
-    const int rays = bounce > 1   ? settings_.later_rays
-                     : every_cell ? kGlossyFactor * settings_.first_rays
-                                  : settings_.first_rays;
+    const int rays = bounce == 1 ? settings_.first_rays : settings_.later_rays;
     work_.deposits.clear();
     work_.rays.clear();
     for (std::size_t i = 0; i < work_.paths.size(); ++i) {
-      if (every_cell && work_.paths[i].hit.brdf.model == BrdfModel::lambert) {
+      const Path& path = work_.paths[i];
+      if (path.sharp && path.hit.brdf.model == BrdfModel::lambert) {
         draw_cells(i);
       } else {
-        draw_directions(i, rays);
+        draw_directions(i, path.sharp ? kSharpFactor * rays : rays);
       }
     }
     work_.visible.resize(work_.rays.size());
@@ -265,6 +266,7 @@ class Gatherer {
     path.throughput = path.throughput / survival;
     auto hit = scene_.intersect({RayScene::ray_origin(path.hit, direction), direction});
     if (!hit) return false;
+    path.sharp = path.sharp && is_glossy(path.hit.brdf);
     path.hit = *hit;
     path.out = -direction;
     path.first = false;

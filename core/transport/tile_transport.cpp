@@ -39,6 +39,10 @@ TileTransport prune(const TileTransport& tile, std::span<const float> weights, f
   RIMLIGHT_CHECK_EQ(weights.size(), tile.column_count());
   RIMLIGHT_CHECK(threshold >= 0);
   TileTransport kept;
+  kept.column_offset.reserve(tile.column_offset.size());
+  kept.column_scale.reserve(tile.column_scale.size());
+  kept.block_index.reserve(tile.block_index.size());
+  kept.value.reserve(tile.value.size());
   kept.column_offset.push_back(0);
   for (std::size_t column = 0; column < tile.column_count(); ++column) {
     for (auto b = tile.column_offset[column]; b < tile.column_offset[column + 1]; ++b) {
