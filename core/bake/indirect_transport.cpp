@@ -11,6 +11,11 @@
 namespace rimlight {
 namespace {
 
+/// A second point on a Lambert surface sends shadow rays to one in so many coarse texels, a later
+/// one to one in so many: about 50 and 12 rays at 8×8 texels a face.
+constexpr std::uint64_t kFirstCellPart = 4;
+constexpr std::uint64_t kLaterCellPart = 16;
+
 /// How many more shadow rays a glossy point gets that is seen by glossy surfaces only.
 constexpr int kSharpFactor = 8;
 
@@ -66,8 +71,9 @@ class Gatherer {
 
   void run(const GroupSamples& samples) {
     work_.coarse.assign(cube::texel_count(settings_.coarse_size) * kRowLanes, 0.0f);
+    const LayerShift shift{random_sample(random_), random_.uniform()};
     for (int ray = 0; ray < samples.rays; ++ray) {
-      make_shared_layer(scene_, samples, ray, random_, work_.layer);
+      make_shared_layer(scene_, samples, ray, shift, work_.layer);
       begin_paths();
       for (int bounce = 1; bounce <= settings_.bounces && !work_.paths.empty(); ++bounce) {
         gather(bounce);
@@ -97,13 +103,14 @@ class Gatherer {
   /// Shadow rays from every path's last point, in one stream; those that escape deposit.
   void gather(int bounce) {
     layer_shift_ = random_sample(random_);
+    cell_phase_ = random_.below(kLaterCellPart);
     const int rays = bounce == 1 ? settings_.first_rays : settings_.later_rays;
     work_.deposits.clear();
     work_.rays.clear();
     for (std::size_t i = 0; i < work_.paths.size(); ++i) {
       const Path& path = work_.paths[i];
-      if (path.sharp && path.hit.brdf.model == BrdfModel::lambert) {
-        draw_cells(i);
+      if (path.hit.brdf.model == BrdfModel::lambert) {
+        draw_cells(i, path.sharp ? 1 : bounce == 1 ? kFirstCellPart : kLaterCellPart);
       } else {
         draw_directions(i, path.sharp ? kSharpFactor * rays : rays);
       }
@@ -136,12 +143,14 @@ class Gatherer {
     }
   }
 
-  /// One shadow ray to every coarse texel above a Lambert point's horizon.
-  void draw_cells(std::size_t index) {
+  /// A shadow ray from a Lambert point to each `part`-th coarse texel above its horizon. Points
+  /// take turns, so that a small bright light is found by as many of them as any other.
+  void draw_cells(std::size_t index, std::uint64_t part) {
     const Path& path = work_.paths[index];
     const int size = settings_.coarse_size;
     const double area = 4.0 / (size * size);
     for (int cell = 0; cell < static_cast<int>(cube::texel_count(size)); ++cell) {
+      if ((static_cast<std::uint64_t>(cell) + path.point + cell_phase_) % part != 0) continue;
       const Sample2 at = random_sample(random_);
       const double x = 2 * (cell % size + at.u) / size - 1;
       const double y = 2 * (cell / size % size + at.v) / size - 1;
@@ -154,6 +163,7 @@ class Gatherer {
       deposit.direction = direction;
       deposit.diffuse = path.throughput * path.hit.brdf.albedo *
                         (std::numbers::inv_pi_v<float> * cosine * solid_angle);
+      deposit.share = static_cast<float>(part);
       work_.deposits.push_back(deposit);
       work_.rays.push_back({RayScene::ray_origin(path.hit, direction), direction});
     }
@@ -304,7 +314,8 @@ class Gatherer {
   GroupRows& rows_;
   Random& random_;
   Workspace& work_;
-  Sample2 layer_shift_;
+  Sample2 layer_shift_;           // of the lobes' sequence, in one gathering
+  std::uint64_t cell_phase_ = 0;  // which points take which coarse texels, in one gathering
 };
 
 }  // namespace

@@ -15,8 +15,8 @@ struct IndirectSettings {
   /// only the bands below it hold it, so that its noise does not fill the fine ones. At most
   /// cube_size.
   int coarse_size = 8;
-  int first_rays = 48;  // shadow rays from each second surface point
-  int later_rays = 8;   // and from each point after it
+  int first_rays = 48;  // shadow rays from each second point that is not Lambert
+  int later_rays = 8;   // and from each such point after it
 };
 
 /// Light that reaches a pixel's surfaces by way of others. A group's 64 pixels share their second
@@ -25,8 +25,9 @@ struct IndirectSettings {
 /// the balance heuristic over the 64 ways in which the point could have been made (Veach and Guibas
 /// 1995), with the visibility of each pair traced. This is unbiased, and each pixel has 64 times
 /// the points it paid for. From each second point a path goes on by BRDF sampling with Russian
-/// roulette; at each of its points, shadow rays drawn by the BRDF deposit on the texel (last
-/// scattering glossy) or coarse texel that they escape through.
+/// roulette. Shadow rays from its points deposit on the texel (last scattering glossy, directions
+/// drawn by the BRDF) or on the coarse texel (a ray to each of them in turn, which the points share
+/// out) that they escape through.
 class IndirectTransport {
  public:
   IndirectTransport(const RayScene& scene, const IndirectSettings& settings);

@@ -1,6 +1,8 @@
 #include "core/bake/shared_layer.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace rimlight {
 namespace {
@@ -15,12 +17,17 @@ void find_viewers(const GroupSamples& samples, int ray, SharedLayer& layer) {
   }
 }
 
-void sample_points(const RayScene& scene, Random& random, SharedLayer& layer) {
+/// All layers of a group draw from one R2 sequence, so that a group's second points cover what its
+/// pixels see evenly. `shift` makes each of them uniform.
+void sample_points(const RayScene& scene, int ray, const LayerShift& shift, SharedLayer& layer) {
   layer.points.clear();
   for (std::size_t v = 0; v < layer.viewers.size(); ++v) {
     const SharedLayer::Viewer& viewer = layer.viewers[v];
-    const float choice = random.uniform_float();
-    const auto drawn = sample(viewer.hit->brdf, viewer.out, choice, random_sample(random));
+    const int index = ray * static_cast<int>(kGroupLanes) + static_cast<int>(viewer.lane);
+    const double choice = shift.choice + index * std::numbers::phi;
+    const auto drawn =
+        sample(viewer.hit->brdf, viewer.out, static_cast<float>(choice - std::floor(choice)),
+               r2_point(shift.direction, index));
     if (!drawn) continue;
     const Vec3f direction = viewer.frame.to_world(drawn->direction);
     if (!leaves_front(*viewer.hit, direction)) continue;
@@ -78,10 +85,10 @@ bool leaves_front(const SurfaceHit& hit, const Vec3f& direction) {
   return dot(hit.geometric_normal, direction) > 0 && dot(hit.shading_normal, direction) > 0;
 }
 
-void make_shared_layer(const RayScene& scene, const GroupSamples& samples, int ray, Random& random,
-                       SharedLayer& layer) {
+void make_shared_layer(const RayScene& scene, const GroupSamples& samples, int ray,
+                       const LayerShift& shift, SharedLayer& layer) {
   find_viewers(samples, ray, layer);
-  sample_points(scene, random, layer);
+  sample_points(scene, ray, shift, layer);
   find_pairs(scene, layer);
   layer.weights.assign(layer.points.size() * kRowLanes, 0.0f);
   layer.density_sum.assign(layer.points.size(), 0.0f);

@@ -4,7 +4,7 @@
 
 #include "core/bake/group.h"
 #include "core/base/aligned_vector.h"
-#include "core/math/random.h"
+#include "core/math/sampling.h"
 
 namespace rimlight {
 
@@ -46,11 +46,17 @@ struct SharedLayer {
   std::vector<float> density_sum;
 };
 
+/// Where a group's sequence of second points begins: uniform random numbers.
+struct LayerShift {
+  Sample2 direction;
+  double choice = 0;
+};
+
 /// Fills a layer: samples a second point for each lane whose `ray`-th primary ray hit something,
 /// traces the visibility of every pair and weights it by the balance heuristic. The estimator of a
 /// lane is Σ_points value / Σ_viewers density, and unbiased as each viewer makes one sample.
-void make_shared_layer(const RayScene& scene, const GroupSamples& samples, int ray, Random& random,
-                       SharedLayer& layer);
+void make_shared_layer(const RayScene& scene, const GroupSamples& samples, int ray,
+                       const LayerShift& shift, SharedLayer& layer);
 
 /// The surface's side that a direction leaves on: true on the side that the hit was seen from.
 bool leaves_front(const SurfaceHit& hit, const Vec3f& direction);
