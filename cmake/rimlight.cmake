@@ -52,6 +52,7 @@ function(rimlight_test name)
   add_executable(${name}_test ${ARG_SOURCES})
   target_link_libraries(${name}_test PRIVATE ${ARG_LIBRARIES} rimlight_flags GTest::gmock GTest::gtest_main)
   gtest_discover_tests(${name}_test
+    NO_PRETTY_VALUES  # parameters print as addresses, which differ from run to run
     DISCOVERY_TIMEOUT 60
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
     PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS ${name} ENVIRONMENT "${RIMLIGHT_TEST_ENVIRONMENT}")
