@@ -19,8 +19,8 @@ void flush_denormals();
 /// own output and merge in index order afterwards.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
-/// Calls body() where TBB has one thread only, this one: for libraries that use TBB inside and whose result
-/// would depend on how their work is shared out.
+/// Calls body() where TBB has one thread only, this one: for libraries that use TBB inside and
+/// whose result would depend on how their work is shared out.
 void run_alone(const std::function<void()>& body);
 
 }  // namespace rimlight

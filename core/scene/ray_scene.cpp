@@ -12,7 +12,6 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
-#include "core/base/parallel.h"
 #include "core/scene/texture.h"
 
 namespace rimlight {
