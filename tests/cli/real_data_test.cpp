@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "core/image/image_file.h"
 #include "tests/support/program.h"
+#include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rimlight {
@@ -20,9 +20,9 @@ using test::run_program;
 class RealData : public ::testing::Test {
  protected:
   void SetUp() override {
-    const char* const named = std::getenv("RIMLIGHT_DATA");
-    data_ = named != nullptr && *named != '\0' ? named : "../shared/data";
-    if (!std::filesystem::exists(data_ / "probes")) GTEST_SKIP() << "no real data";
+    const auto data = test::real_data();
+    if (!data) GTEST_SKIP() << "RIMLIGHT_DATA names no real data";
+    data_ = *data;
   }
 
   /// Bakes a scene of one mesh at 64×64 and renders it under Grace Cathedral, as linear radiance.

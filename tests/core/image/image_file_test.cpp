@@ -13,6 +13,7 @@
 #include "core/image/tone_map.h"
 #include "tests/core/image/encoded_pictures.h"
 #include "tests/support/error_of.h"
+#include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rimlight {
@@ -125,9 +126,9 @@ TEST(ImageFile, PicturesAreToldApartByTheirBytes) {
 }
 
 TEST(ImageFile, RealProbesHaveTheirKnownSizesAndPeaks) {
-  const char* const variable = std::getenv("RIMLIGHT_DATA");
-  const std::filesystem::path data = variable != nullptr ? variable : "../shared/data";
-  if (!std::filesystem::exists(data / "probes")) GTEST_SKIP() << "no " << data / "probes";
+  const auto found = test::real_data();
+  if (!found) GTEST_SKIP() << "RIMLIGHT_DATA names no real data";
+  const std::filesystem::path& data = *found;
   struct Probe {
     const char* name;
     int width, height;

@@ -8,6 +8,7 @@
 #include "core/light/environment.h"
 #include "core/light/light_rotation.h"
 #include "tests/core/light/light_samples.h"
+#include "tests/support/real_data.h"
 
 namespace rimlight {
 namespace {
@@ -15,9 +16,9 @@ namespace {
 class RealProbes : public testing::Test {
  protected:
   void SetUp() override {
-    const char* const data = std::getenv("RIMLIGHT_DATA");
-    folder_ = std::filesystem::path(data != nullptr ? data : "../shared/data") / "probes";
-    if (!std::filesystem::is_directory(folder_)) GTEST_SKIP() << "no " << folder_;
+    const auto data = test::real_data();
+    if (!data) GTEST_SKIP() << "RIMLIGHT_DATA names no real data";
+    folder_ = *data / "probes";
   }
 
   Environment load(const char* name) const { return load_environment(folder_ / name); }

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <string>
 #include <string_view>
 
+#include "tests/support/real_data.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rimlight {
@@ -17,12 +16,6 @@ inline std::filesystem::path write(const test::TemporaryFolder& folder, const st
   return folder / name;
 }
 
-/// The folder of real meshes and probes, when there is one.
-inline std::optional<std::filesystem::path> real_data() {
-  const char* variable = std::getenv("RIMLIGHT_DATA");
-  const std::filesystem::path path = variable != nullptr ? variable : "../shared/data";
-  if (std::filesystem::exists(path)) return path;
-  return std::nullopt;
-}
+using test::real_data;
 
 }  // namespace rimlight
