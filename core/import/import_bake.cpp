@@ -19,8 +19,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kSmallestCubeSize = 8;
 constexpr int kLargestCubeSize = 64;
-/// The cube map that the resampling error is measured against.
-constexpr int kFineSize = 256;
+/// The cube map that the resampling error is measured against: four times finer where that is
+/// affordable, and never so coarse that a light's details are lost.
+int fine_size(int size) { return std::clamp(4 * size, 128, 256); }
 
 std::string text_of(double number) {
   char text[32];
@@ -156,12 +157,13 @@ class Import {
   }
 
   std::vector<ResampledLight> built_in_lights() const {
-    const TransportResampler fine(DirectionCells(list_.directions, kFineSize, settings_.cap),
+    const int size = fine_size(haar_.size());
+    const TransportResampler fine(DirectionCells(list_.directions, size, settings_.cap),
                                   energies());
     std::vector<ResampledLight> lights;
     for (const std::string& name : builtin_environment_names()) {
       const Environment environment = builtin_environment(name);
-      lights.push_back({name, fine.light_of_directions(environment.project(kFineSize)),
+      lights.push_back({name, fine.light_of_directions(environment.project(size)),
                         resampler_.light_of_directions(environment.project(haar_.size()))});
     }
     return lights;

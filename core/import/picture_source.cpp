@@ -109,7 +109,7 @@ RgbImage read_linear_picture(const std::filesystem::path& path) {
 
 PictureSource::PictureSource(const std::vector<std::filesystem::path>& pictures,
                              const std::filesystem::path& scratch_folder,
-                             const std::function<void(double)>& progress)
+                             const std::function<void(double)>& progress, std::size_t batch_bytes)
     : pictures_(pictures) {
   RIMLIGHT_CHECK(!pictures.empty());
   const RgbImage first = read_linear_picture(pictures.front());
@@ -117,8 +117,8 @@ PictureSource::PictureSource(const std::vector<std::filesystem::path>& pictures,
   scratch_ = std::make_unique<ScratchFile>(scratch_folder);
   scratch_->reserve(pixels_.receiver_count() / kGroupLanes * pictures.size() * kRowBytes);
   const std::size_t picture_bytes = pixels_.receiver_count() * sizeof(Vec3f);
-  const std::size_t at_once = std::max<std::size_t>(kPictureBatchBytes / picture_bytes,
-                                                    static_cast<std::size_t>(thread_count()));
+  const std::size_t at_once =
+      std::max<std::size_t>(batch_bytes / picture_bytes, static_cast<std::size_t>(thread_count()));
   for (std::size_t i = 0; i < pictures.size(); i += at_once) {
     add_batch(i, read_batch(i, std::min(at_once, pictures.size() - i)));
     if (progress) {
