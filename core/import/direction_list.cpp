@@ -29,8 +29,9 @@ struct Entry {
 /// Checks entries one by one and gathers them; `where` names an entry in errors.
 class ListBuilder {
  public:
-  ListBuilder(const std::string& source, DirectionAxes axes) : axes_(axes) {
+  ListBuilder(const std::string& source, DirectionAxes axes) {
     list_.source = source;
+    list_.axes = axes;
   }
 
   void add(const Entry& entry, const std::string& where) {
@@ -71,12 +72,9 @@ class ListBuilder {
       throw Error(where, "a direction of length " + std::to_string(size),
                   "a finite direction that is not zero (length 1e-6 to 1e6)");
     }
-    const Vec3d unit = given / size;
-    list_.directions.push_back(axes_ == DirectionAxes::y_up ? unit
-                                                            : Vec3d(unit.x, unit.z, -unit.y));
+    list_.directions.push_back(to_world(given / size, list_.axes));
   }
 
-  DirectionAxes axes_;
   DirectionList list_;
 };
 
@@ -185,6 +183,10 @@ DirectionList read_json_file(const std::filesystem::path& path, std::optional<Di
 }
 
 }  // namespace
+
+Vec3d to_world(const Vec3d& given, DirectionAxes axes) {
+  return axes == DirectionAxes::y_up ? given : Vec3d(given.x, given.z, -given.y);
+}
 
 DirectionList parse_direction_text(std::string_view text, const std::string& source,
                                    DirectionAxes axes) {

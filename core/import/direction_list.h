@@ -17,10 +17,12 @@ inline constexpr std::size_t kMostDirections = std::size_t{1} << 17;
 ///   y_up  the world's own
 ///   z_up  (x, y, z) is the world's (x, z, −y)
 enum class DirectionAxes { y_up, z_up };
+Vec3d to_world(const Vec3d& given, DirectionAxes axes);
 
 /// The lights of transport that was made elsewhere: one a column of a matrix, or one a picture.
 struct DirectionList {
-  std::string source;               // stands in errors
+  std::string source;                        // stands in errors
+  DirectionAxes axes = DirectionAxes::y_up;  // that the list was written in
   std::vector<Vec3d> directions;    // unit, from the scene towards the light, in the world's axes
   std::vector<double> weights;      // solid angles in steradians, > 0; one a direction, or none
   std::vector<std::string> images;  // one a direction, or none

@@ -29,6 +29,10 @@ std::string text_of(double number) {
   return text;
 }
 
+std::string sides(int width, int height) {
+  return std::to_string(width) + " × " + std::to_string(height) + " pixels";
+}
+
 /// The weight of each direction: as given, or its cell.
 std::vector<double> weights_of(const DirectionList& list, const DirectionCells& cells) {
   std::vector<double> weights = list.weights;
@@ -84,7 +88,7 @@ class Import {
         weights_(weights_of(list, cells_)),
         resampler_(cells_, energies()) {}
 
-  ImportSummary run(const TransportSource& source, BakeWriter& writer,
+  ImportSummary run(const TransportSource& source, const std::filesystem::path& folder,
                     const std::function<void(const BakeProgress&)>& progress) {
     if (progress) progress({"measuring", 0, false});
     summarize(source);
@@ -99,7 +103,7 @@ class Import {
       fill(source, first_receiver, coefficients);
     };
     const ImportedBakeSummary written =
-        write_imported_bake(writer, transport, settings_.psnr_db, progress);
+        write_imported_bake(folder, transport, settings_.psnr_db, progress);
     summary_.blocks = written.blocks;
     summary_.worst_psnr_db = written.worst_psnr_db;
     summary_.worst_light = written.worst_light;
@@ -131,15 +135,18 @@ class Import {
   }
 
   std::vector<float> coverage_of(const PixelLayout& pixels) const {
-    const std::size_t count =
-        static_cast<std::size_t>(pixels.width) * static_cast<std::size_t>(pixels.height);
-    if (settings_.coverage.empty()) return std::vector<float>(count, 1.0f);
-    RIMLIGHT_CHECK_EQ(settings_.coverage.size(), count);
-    const auto& coverage = settings_.coverage;
-    if (std::none_of(coverage.begin(), coverage.end(), [](float share) { return share > 0; })) {
-      throw Error(settings_.name, "a mask that covers nothing", "a pixel that is not black in it");
+    if (!settings_.mask) {
+      return std::vector<float>(
+          static_cast<std::size_t>(pixels.width) * static_cast<std::size_t>(pixels.height), 1.0f);
     }
-    return coverage;
+    const CoverageMask& mask = *settings_.mask;
+    if (mask.width != pixels.width || mask.height != pixels.height) {
+      throw Error(mask.source, sides(mask.width, mask.height), sides(pixels.width, pixels.height));
+    }
+    if (std::none_of(mask.shares.begin(), mask.shares.end(), [](float s) { return s > 0; })) {
+      throw Error(mask.source, "a mask that covers nothing", "a pixel that is not black in it");
+    }
+    return mask.shares;
   }
 
   /// By receiver, padded ones 0.
@@ -230,9 +237,10 @@ ImportSummary import_bake(const MakeSource& make_source, const DirectionList& di
   const auto start = Clock::now();
   check_cap(directions, settings.cap);
   Import import(directions, settings);
-  BakeWriter writer(folder);
-  DiscardOnFailure discard(writer.partial_folder());
-  ImportSummary summary = import.run(*make_source(writer.partial_folder()), writer, progress);
+  // Made once before the pictures are read: it refuses a folder that is no bake.
+  const std::filesystem::path partial = BakeWriter(folder).partial_folder();
+  DiscardOnFailure discard(partial);
+  ImportSummary summary = import.run(*make_source(partial), folder, progress);
   discard.keep();
   summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return summary;

@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/bake/image_bake.h"
+#include "core/import/coverage_mask.h"
 #include "core/import/direction_cells.h"
 #include "core/import/direction_list.h"
 #include "core/import/resampling_error.h"
@@ -25,7 +27,7 @@ struct ImportSettings {
   SphericalCap cap;     // that the directions cover; beyond it the transport is zero
   int cube_size = 0;    // N: a power of two, 4 … 128; 0 chooses by the number of directions
   double psnr_db = 50;  // of the compressed transport
-  std::vector<float> coverage;            // [height][width], in [0, 1]; empty: 1 everywhere
+  std::optional<CoverageMask> mask;       // none: every pixel is covered
   std::vector<Environment> environments;  // at least one
   Camera camera;  // only what lies behind pixels with coverage below 1 is seen through it
 };
@@ -60,8 +62,9 @@ int cube_size_for(std::size_t directions);
 /// cube map and averaged over the directions' cells, against the same by way of the bake's texels)
 /// and stands in the summary and the manifest. Uses all cores; memory: one group's rows and texels
 /// a core, and some pictures. Throws Error: a direction outside the cap, another number of
-/// directions than the source has columns, nothing covered, and whatever the source and the disk
-/// say; then nothing is left of the bake. An import does not resume.
+/// directions than the source has columns, a mask of another size or that covers nothing, and
+/// whatever the source and the disk say; then nothing is left of the bake. An import does not
+/// resume.
 ImportSummary import_bake(const MakeSource& make_source, const DirectionList& directions,
                           const ImportSettings& settings, const std::filesystem::path& folder,
                           const std::function<void(const BakeProgress&)>& progress);

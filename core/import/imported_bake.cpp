@@ -27,9 +27,9 @@ constexpr int kMostAttempts = 6;
 
 class ImportedBake {
  public:
-  ImportedBake(BakeWriter& writer, const ImportedTransport& transport, double psnr_db,
-               const std::function<void(const BakeProgress&)>& progress)
-      : writer_(writer),
+  ImportedBake(const std::filesystem::path& folder, const ImportedTransport& transport,
+               double psnr_db, const std::function<void(const BakeProgress&)>& progress)
+      : writer_(folder),
         transport_(transport),
         psnr_db_(psnr_db),
         progress_(progress),
@@ -140,7 +140,7 @@ class ImportedBake {
     return summary;
   }
 
-  BakeWriter& writer_;
+  BakeWriter writer_;
   const ImportedTransport& transport_;
   double psnr_db_;
   const std::function<void(const BakeProgress&)>& progress_;
@@ -151,10 +151,10 @@ class ImportedBake {
 
 }  // namespace
 
-ImportedBakeSummary write_imported_bake(BakeWriter& writer, const ImportedTransport& transport,
-                                        double psnr_db,
+ImportedBakeSummary write_imported_bake(const std::filesystem::path& folder,
+                                        const ImportedTransport& transport, double psnr_db,
                                         const std::function<void(const BakeProgress&)>& progress) {
-  return ImportedBake(writer, transport, psnr_db, progress).run();
+  return ImportedBake(folder, transport, psnr_db, progress).run();
 }
 
 }  // namespace rimlight

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -30,10 +31,12 @@ struct ImportedBakeSummary {
 };
 
 /// Compresses transport as bake_image does, such that every check light keeps `psnr_db`, and writes
-/// the bake. Receivers without coverage stay black. Throws Error when the disk refuses, or when no
-/// compression keeps that error. Does not resume.
-ImportedBakeSummary write_imported_bake(BakeWriter& writer, const ImportedTransport& transport,
-                                        double psnr_db,
+/// the bake to `folder` (NAME.bake). Receivers without coverage must be black. Throws Error when
+/// the disk refuses, or when no compression keeps that error. Does not resume.
+///
+/// The one place of core/import that knows how bakes are compressed and stored.
+ImportedBakeSummary write_imported_bake(const std::filesystem::path& folder,
+                                        const ImportedTransport& transport, double psnr_db,
                                         const std::function<void(const BakeProgress&)>& progress);
 
 }  // namespace rimlight

@@ -27,8 +27,8 @@ RgbImage read_linear_picture(const std::filesystem::path& path);
 class PictureSource : public TransportSource {
  public:
   /// `scratch_folder` must exist and have room; `progress` (may be empty) is told the share that is
-  /// read; `batch_bytes` bounds the pictures that are decoded at a time. Throws Error naming the picture: unreadable, another format, another size than the
-  /// first; or when the disk is full.
+  /// read; `batch_bytes` bounds the pictures that are decoded at a time. Throws Error naming the
+  /// picture: unreadable, another format, another size than the first; or when the disk is full.
   PictureSource(const std::vector<std::filesystem::path>& pictures,
                 const std::filesystem::path& scratch_folder,
                 const std::function<void(double)>& progress,

@@ -161,7 +161,7 @@ TEST_F(ImportBake, ABakeOfOurOwnComesBack) {
   settings.unit = ColumnUnit::radiance;
   settings.cube_size = 16;
   settings.psnr_db = 55;
-  settings.coverage = own.coverage();
+  settings.mask = CoverageMask{"own", 64, 64, own.coverage()};
   settings.camera = own.manifest().camera;
   const DirectionList list = list_of(texel_directions(16));
   const auto source = [&](const std::filesystem::path&) {
@@ -237,20 +237,25 @@ TEST_F(ImportBake, BelowACapThereIsNoLight) {
 TEST_F(ImportBake, WhatTheMaskLeavesOutIsTheEnvironment) {
   const DirectionList list = list_of(random_directions(50, 6));
   ImportSettings settings = small_settings();
-  settings.coverage.assign(40 * 24, 1.0f);
-  for (std::size_t i = 0; i < settings.coverage.size(); ++i) {
-    if (i % 40 < 20) settings.coverage[i] = 0;
+  CoverageMask mask{"mask.png", 40, 24, std::vector<float>(40 * 24, 1.0f)};
+  for (std::size_t i = 0; i < mask.shares.size(); ++i) {
+    if (i % 40 < 20) mask.shares[i] = 0;
   }
+  settings.mask = mask;
   import_bake(ball(list), list, settings, folder_ / "a.bake", {});
   const RgbImage image = render(folder_ / "a.bake", uniform_environment(5));
   EXPECT_NEAR(image.at(10, 12).x, 5, 1e-3);
   EXPECT_LT(image.at(21, 12).x, 5.5f);
   EXPECT_GT(image.at(21, 12).x, 4.0f);  // the ball's own: 5 ± the quadrature's error
   EXPECT_LT(image.at(39, 0).x, 1e-3f);  // covered, and black
-  settings.coverage.assign(40 * 24, 0.0f);
-  EXPECT_THAT(
-      test::error_of([&] { import_bake(ball(list), list, settings, folder_ / "b.bake", {}); }),
-      HasSubstr("a mask that covers nothing"));
+
+  const auto error_of_mask = [&](int width, int height) {
+    const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    settings.mask = CoverageMask{"mask.png", width, height, std::vector<float>(count)};
+    return test::error_of([&] { import_bake(ball(list), list, settings, folder_ / "b.bake", {}); });
+  };
+  EXPECT_THAT(error_of_mask(40, 24), HasSubstr("mask.png: found a mask that covers nothing"));
+  EXPECT_THAT(error_of_mask(24, 40), HasSubstr("mask.png: found 24 × 40 pixels, expected 40 × 24"));
 }
 
 TEST_F(ImportBake, TheManifestSaysWhatWasImportedAndItsError) {
