@@ -122,8 +122,8 @@ class ImportedBake {
     const std::vector<double> psnr =
         measure_psnr(compressed_images(store, check_lights_, threshold), references, exposures);
     const auto worst = std::min_element(psnr.begin(), psnr.end());
-    const ImportedBakeSummary summary{write_transport(writer_, store, pixels(), threshold), *worst,
-                                      lights_[static_cast<std::size_t>(worst - psnr.begin())].name};
+    ImportedBakeSummary summary{write_transport(writer_, store, pixels(), threshold), *worst,
+                                lights_[static_cast<std::size_t>(worst - psnr.begin())].name};
     Scene scene;  // for its environments
     scene.environments = transport_.environments;
     scene.bake.cube_size = haar_.size();
