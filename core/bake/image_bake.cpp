@@ -1,6 +1,7 @@
 #include "core/bake/image_bake.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -16,6 +17,7 @@
 #include "core/base/parallel.h"
 #include "core/math/random.h"
 #include "core/transport/bake_folder.h"
+#include "core/transport/receiver_planes.h"
 #include "core/transport/tile_builder.h"
 
 namespace rimlight {
@@ -23,11 +25,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The compression that is stored for a tile at first is finer than the pilot asks for, so that the
-/// final threshold, measured on the whole image, can be found above it.
-constexpr double kPilotMarginDb = 0.5;
-constexpr double kFirstThresholdShare = 0.5;
+/// The compression that tiles are stored with at first is finer than the pilot asks for: a sample
+/// may be kinder than the image. What that is too much is left out again, measured on the whole
+/// image.
+constexpr double kPilotMarginDb = 1;
+constexpr float kFinerStep = 0.5f;  // for another attempt, when the pilot was wrong
 constexpr int kMostAttempts = 4;
+
+/// One lane of [3][64].
+Vec3f lane_of(const float* row, std::size_t lane) {
+  return {row[lane], row[kGroupLanes + lane], row[2 * kGroupLanes + lane]};
+}
 
 /// One bake from begin to end.
 class ImageBake {
@@ -44,18 +52,19 @@ class ImageBake {
 
   BakeSummary run() {
     const auto start = Clock::now();
-    float threshold = pilot();
+    StorageStep storage = pilot();
     for (int attempt = 0;; ++attempt) {
       TileStore store(writer_.partial_folder() / "tiles", shape(),
-                      mix_bits(fingerprint(*scene_) ^ std::bit_cast<std::uint32_t>(threshold)));
-      trace_tiles(store, threshold);
+                      mix_bits(fingerprint(*scene_) ^ std::bit_cast<std::uint32_t>(storage.step)));
+      trace_tiles(store, storage);
       report("compressing", 0);
       const LightImages references = reference_images(store);
       const auto exposures = check_exposures(lights_, references);
-      const float chosen = choose_threshold(store, baker_.check_lights(), references, exposures,
-                                            threshold, scene_->bake.psnr_db);
-      if (chosen > 0) {
-        write(store, references, chosen, start);
+      const auto least_energy =
+          choose_least_energy(store, baker_.check_lights(), references, exposures,
+                              storage.least_energy, scene_->bake.psnr_db);
+      if (least_energy) {
+        write(store, references, {storage.step, *least_energy}, start);
         return summary_;
       }
       // The pilot's groups were kinder than the image: everything again, finer.
@@ -63,7 +72,7 @@ class ImageBake {
         throw Error(scene_->name, "no compression that keeps the error asked for",
                     "a lower /bake/psnr_db");
       }
-      threshold *= static_cast<float>(kFirstThresholdShare);
+      storage.step *= kFinerStep;
     }
   }
 
@@ -76,8 +85,8 @@ class ImageBake {
     if (progress_) progress_({stage, fraction, resumed});
   }
 
-  /// The threshold that the tiles are stored with at first.
-  float pilot() {
+  /// How finely the tiles are stored at first.
+  StorageStep pilot() {
     report("sampling", 0);
     const std::size_t groups = baker_.layout().receiver_count() / kGroupLanes;
     const std::size_t count = std::clamp<std::size_t>(groups / 16, 8, 128);
@@ -85,29 +94,27 @@ class ImageBake {
     if (sample.empty()) {
       throw Error(scene_->name, "a camera that sees no geometry", "an object in the picture");
     }
-    const double threshold =
-        pilot_threshold(baker_, sample, lights_, scene_->bake.psnr_db + kPilotMarginDb);
-    return static_cast<float>(threshold * kFirstThresholdShare);
+    return {pilot_step(baker_, sample, lights_, scene_->bake.psnr_db + kPilotMarginDb)};
   }
 
-  void trace_tiles(const TileStore& store, float threshold) {
+  void trace_tiles(const TileStore& store, const StorageStep& storage) {
     for (std::size_t tile = 0; tile < store.shape().tiles; ++tile) {
       const bool found = store.has(tile);
       if (found) {
         ++summary_.resumed_tiles;
       } else {
-        trace_tile(store, tile, threshold);
+        trace_tile(store, tile, storage);
       }
       report("tracing", static_cast<double>(tile + 1) / static_cast<double>(store.shape().tiles),
              found);
     }
   }
 
-  void trace_tile(const TileStore& store, std::size_t tile, float threshold) const {
-    const std::vector<float> weights(store.shape().columns, 1.0f);
-    TileBuilder builder(weights, threshold);
+  void trace_tile(const TileStore& store, std::size_t tile, const StorageStep& storage) const {
+    TileBuilder builder(store.shape().columns, storage);
     TileCheck check;
     check.coverage.resize(kTileReceivers);
+    check.reflectance.resize(kTileReceivers);
     check.images.assign(lights_.size(), std::vector<Vec3f>(kTileReceivers));
     parallel_for(TileBuilder::kGroups, [&](std::size_t place) {
       thread_local std::unique_ptr<BakedGroup> group;
@@ -115,33 +122,39 @@ class ImageBake {
         group = std::make_unique<BakedGroup>(haar_.size(), lights_.size());
       }
       baker_.bake(tile * kTileReceivers + place * kGroupLanes, *group);
-      if (!group->empty) builder.add_group(place, group->coefficients.values);
+      std::array<float, kGroupFloats> reflectance{};
+      if (!group->empty) {
+        find_reflectance(group->coefficients.values, reflectance);
+        to_planes(group->coefficients.values, reflectance);
+        builder.add_group(place, group->coefficients.values);
+      }
       for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
         const std::size_t receiver = place * kGroupLanes + lane;
         check.coverage[receiver] = group->coverage[lane];
+        check.reflectance[receiver] = lane_of(reflectance.data(), lane);
         for (std::size_t light = 0; light < lights_.size(); ++light) {
-          const float* const image = group->check_images.data() + light * kRowLanes + lane;
-          check.images[light][receiver] = {image[0], image[kGroupLanes], image[2 * kGroupLanes]};
+          check.images[light][receiver] =
+              lane_of(group->check_images.data() + light * kRowLanes, lane);
         }
       }
     });
     store.save(tile, builder.assemble(), check);
   }
 
-  void write(const TileStore& store, const LightImages& references, float threshold,
+  void write(const TileStore& store, const LightImages& references, const StorageStep& storage,
              Clock::time_point start) {
     report("writing", 0);
-    const auto images = compressed_images(store, baker_.check_lights(), threshold);
+    const auto images = compressed_images(store, baker_.check_lights(), storage.least_energy);
     const std::vector<double> psnr =
         measure_psnr(images, references, check_exposures(lights_, references));
-    summary_.blocks = write_transport(writer_, store, baker_.layout(), threshold);
-    write_environments(writer_, store, *scene_, threshold);
-    writer_.commit(describe(psnr, threshold));
+    summary_.bytes = write_transport(writer_, store, baker_.layout(), storage.least_energy);
+    write_environments(writer_, store, *scene_, storage.least_energy);
+    writer_.commit(describe(psnr, storage));
     summary_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     report("writing", 1);
   }
 
-  BakeManifest describe(const std::vector<double>& psnr, float threshold) {
+  BakeManifest describe(const std::vector<double>& psnr, const StorageStep& storage) {
     const auto worst = std::min_element(psnr.begin(), psnr.end());
     summary_.worst_psnr_db = *worst;
     summary_.worst_light = lights_[static_cast<std::size_t>(worst - psnr.begin())].name;
@@ -158,7 +171,8 @@ class ImageBake {
     for (std::size_t light = 0; light < lights_.size(); ++light) {
       manifest.measured["psnr_db"][lights_[light].name] = std::round(psnr[light] * 100) / 100;
     }
-    manifest.left_out = {{"blocks_below", threshold},
+    manifest.left_out = {{"step", storage.step},
+                         {"blocks_below", storage.step * std::sqrt(storage.least_energy)},
                          {"worst_psnr_db", summary_.worst_psnr_db},
                          {"worst_light", summary_.worst_light}};
     return manifest;

@@ -20,7 +20,7 @@ struct BakeProgress {
 struct BakeSummary {
   double seconds = 0;
   std::size_t resumed_tiles = 0;
-  std::size_t blocks = 0;    // stored blocks of 8 receivers
+  std::size_t bytes = 0;     // of stored transport
   double worst_psnr_db = 0;  // of the compressed transport, over the check lights
   std::string worst_light;
 };

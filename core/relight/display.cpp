@@ -32,7 +32,7 @@ void Display::for_each_tile(const Relighter& relighter, const Background& backgr
   const auto show_tile = [&](std::size_t tile) {
     alignas(64) std::array<float, kTileFloats> radiance;
     TileImage image;
-    relighter.sum_bands(tile, radiance);
+    relighter.find_radiance(tile, radiance);
     rows_from_blocks(radiance, image);
     add_background(background_pixels_.of_tile(tile), background.map, to_source, image);
     const auto [left, top] = layout_.pixel(tile * kTileReceivers);

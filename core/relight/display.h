@@ -12,7 +12,7 @@
 
 namespace rimlight {
 
-/// B to pixels: sums the bands of a relighter, puts the environment behind what geometry leaves
+/// B to pixels: takes radiance from a relighter, puts the environment behind what geometry leaves
 /// uncovered, tone-maps. Immutable; any thread; computes on all cores, allocates nothing.
 class Display {
  public:

@@ -70,7 +70,7 @@ struct FrameRenderer::State {
         settings(settings_),
         haar(bake->manifest().cube_size),
         policy(make_policy(settings.policy)),
-        relighter(bake->transport(), haar),
+        relighter(bake->transport(), bake->reflectance(), haar),
         display(bake->manifest().pixels, bake->manifest().camera, bake->coverage()),
         target(haar.size()) {
     for (const BakedEnvironment& baked : bake->environments()) {
@@ -143,7 +143,7 @@ struct FrameRenderer::State {
     std::vector<Vec3f> result;
     std::array<float, kTileFloats> radiance;
     for (std::size_t tile = 0; tile < relighter.tile_count(); ++tile) {
-      relighter.sum_bands(tile, radiance);
+      relighter.find_radiance(tile, radiance);
       for (std::size_t i = 0; i < kTileReceivers; ++i) {
         const auto [x, y] = pixels().pixel(tile * kTileReceivers + i);
         if (x >= pixels().width || y >= pixels().height) continue;

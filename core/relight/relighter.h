@@ -13,8 +13,9 @@
 
 namespace rimlight {
 
-/// Holds an image as one radiance image B_i for each band of the light, and the light that they
-/// show; B = Σ B_i in band order (Overbeck 2006, figure 6.1, line 20).
+/// Holds an image as one image B_i for each band of the light, and the light that they show; B = Σ
+/// B_i in band order (Overbeck 2006, figure 6.1, line 20). Images are held as transport is stored:
+/// pixel Haar coefficients before reflectance (receiver_planes.h).
 ///
 /// The same calls give the same bits at any thread count: a tile is one thread's, columns are added
 /// in the plan's order. exact() gives bits that depend on the target alone.
@@ -22,8 +23,10 @@ namespace rimlight {
 /// transport must outlive it.
 class Relighter {
  public:
-  /// A black image under a black light. Memory: 2 · bands · tiles · 48 KiB.
-  Relighter(const TransportView& transport, const CubeHaar& basis);
+  /// A black image under a black light. `reflectance` is the transport's, and outlives it too.
+  /// Memory: 2 · bands · tiles · 48 KiB.
+  Relighter(const TransportView& transport, const ReceiverValues& reflectance,
+            const CubeHaar& basis);
 
   /// The light that the image shows, L̃: coefficients.
   const CubeLight& held() const { return held_; }
@@ -41,24 +44,27 @@ class Relighter {
   std::size_t last_terms() const { return last_terms_; }
 
   std::size_t tile_count() const { return transport_.tile_count(); }
-  /// One tile of B = Σ B_i: radiance [block][3][8]. Any thread.
-  void sum_bands(std::size_t tile, std::span<float, kTileFloats> radiance) const;
+  /// One tile of B: radiance [block][3][8]. Any thread.
+  void find_radiance(std::size_t tile, std::span<float, kTileFloats> radiance) const;
   /// Whether a band's image is zero everywhere, because nothing was added since its reset.
   bool is_zero(int band) const { return zero_[static_cast<std::size_t>(band)]; }
 
  private:
   bool starts_from_zero(const BandUpdate& update, std::size_t band) const;
   /// Zeroes reset bands of `images` in one tile and adds the columns.
-  void update_tile(const UpdatePlan& plan, std::size_t tile, std::vector<Radiance>& images) const;
+  void update_tile(const UpdatePlan& plan, std::size_t tile,
+                   std::vector<ReceiverValues>& images) const;
+  void sum_bands(std::size_t tile, std::span<float, kTileFloats> held) const;
   void move_held(const UpdatePlan& plan, const CubeLight& target);
   void plan_exact(const CubeLight& target);
 
   TransportView transport_;
+  const ReceiverValues& reflectance_;
   CubeHaar basis_;
   CubeLight held_;
-  std::vector<Radiance> images_;  // [band]
-  std::vector<bool> zero_;        // [band]: the image counts as zero, whatever it holds
-  std::vector<Radiance> fresh_;   // where the exact product grows until it is whole
+  std::vector<ReceiverValues> images_;  // [band]
+  std::vector<bool> zero_;              // [band]: the image counts as zero, whatever it holds
+  std::vector<ReceiverValues> fresh_;   // where the exact product grows until it is whole
   UpdatePlan exact_plan_;
   std::size_t last_terms_ = 0;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
@@ -52,7 +53,7 @@ Bake::Bake(const std::filesystem::path& folder) : folder_(folder) {
                  {kManifestHashFile, manifest_hash_line(text).size()}};
   for (const auto& item : files_) file_sizes_.emplace_back(item.first, item.second.byte_count());
   read_transport();
-  read_coverage();
+  read_pixels();
   for (const JsonReader& environment : reader.member("environments").elements(1, kMostFiles)) {
     read_environment(environment);
   }
@@ -71,31 +72,44 @@ void Bake::read_transport() {
   const std::string path = (folder_ / kTransportFile).string();
   const std::size_t tiles = manifest_.pixels.tile_count();
   const std::size_t columns = cube::texel_count(manifest_.cube_size);
-  expect_shape(tensors, path, "tile_first_block", {tiles + 1});
-  expect_shape(tensors, path, "column_offset", {tiles, columns + 1});
-  expect_shape(tensors, path, "column_scale", {tiles, columns});
-  const auto index = tensors.tensor<std::uint16_t>("block_index", ElementType::u16);
-  expect_shape(tensors, path, "block_index", {index.size()});
-  expect_shape(tensors, path, "value", {index.size(), 3, kBlockReceivers});
+  expect_shape(tensors, path, "column_step", {columns});
+  expect_shape(tensors, path, "tile_first_word", {tiles + 1});
+  expect_shape(tensors, path, "run_offset", {tiles, columns + 1});
+  const auto runs = tensors.tensor<std::uint64_t>("runs", ElementType::u64);
+  expect_shape(tensors, path, "runs", {runs.size()});
   transport_ = TransportView(
       {.tile_count = tiles,
        .column_count = columns,
-       .tile_first_block = tensors.tensor<std::uint64_t>("tile_first_block", ElementType::u64),
-       .column_offset = tensors.tensor<std::uint32_t>("column_offset", ElementType::u32),
-       .column_scale = tensors.tensor<float>("column_scale", ElementType::f32),
-       .block_index = index,
-       .values = tensors.tensor<Half>("value", ElementType::f16)},
+       .column_step = tensors.tensor<float>("column_step", ElementType::f32),
+       .tile_first_word = tensors.tensor<std::uint64_t>("tile_first_word", ElementType::u64),
+       .run_offset = tensors.tensor<std::uint32_t>("run_offset", ElementType::u32),
+       .runs = runs},
       path);
 }
 
-void Bake::read_coverage() {
+void Bake::read_pixels() {
   const TensorFile& tensors = file(kPixelsFile);
   const std::string path = (folder_ / kPixelsFile).string();
-  const auto height = static_cast<std::size_t>(manifest_.pixels.height);
-  const auto width = static_cast<std::size_t>(manifest_.pixels.width);
+  const PixelLayout& pixels = manifest_.pixels;
+  const auto height = static_cast<std::size_t>(pixels.height);
+  const auto width = static_cast<std::size_t>(pixels.width);
   expect_shape(tensors, path, "coverage", {height, width});
   for (const std::uint8_t share : tensors.tensor<std::uint8_t>("coverage", ElementType::u8)) {
     coverage_.push_back(static_cast<float>(share) / 255);
+  }
+  expect_shape(tensors, path, "reflectance", {height, width, 3});
+  const auto reflectance = tensors.tensor<float>("reflectance", ElementType::f32);
+  for (std::size_t i = 0; i < reflectance.size(); ++i) {
+    if (reflectance[i] >= 0 && reflectance[i] <= std::numeric_limits<float>::max()) continue;
+    throw Error(path + ": tensor \"reflectance\", element " + std::to_string(i),
+                std::to_string(reflectance[i]), "a finite number, 0 or more");
+  }
+  reflectance_ = ReceiverValues(pixels.tile_count());
+  for (std::size_t i = 0; i < height * width; ++i) {
+    const std::size_t receiver =
+        pixels.receiver(static_cast<int>(i % width), static_cast<int>(i / width));
+    reflectance_.set(receiver,
+                     {reflectance[3 * i], reflectance[3 * i + 1], reflectance[3 * i + 2]});
   }
 }
 
