@@ -31,6 +31,10 @@ std::vector<float> random_planes(const RandomTransport& settings, std::size_t ti
         planes[column * kGroupFloats + at + i] =
             static_cast<float>(size * random.uniform(settings.lowest, 1));
       }
+      // Without both signs the mean of the pixels is above what they differ by.
+      if (at == 0 && settings.lowest > -1) {
+        planes[column * kGroupFloats] = static_cast<float>(8 * size);
+      }
     }
   }
   return planes;

@@ -117,6 +117,8 @@ TileCheck random_check(std::size_t lights) {
   check.coverage.resize(kTileReceivers);
   for (float& value : check.coverage) value = random.uniform_float();
   check.images.assign(lights, std::vector<Vec3f>(kTileReceivers));
+  check.reflectance.resize(kTileReceivers);
+  for (Vec3f& value : check.reflectance) value = {1, random.uniform_float(), 0};
   for (auto& image : check.images) {
     for (Vec3f& pixel : image) pixel = {random.uniform_float(), 1, random.uniform_float()};
   }
@@ -130,6 +132,7 @@ TEST(TileCheckFile, ComesBackOrNotAtAll) {
   const auto loaded = load_check(folder / "a", 3, 42);
   ASSERT_TRUE(loaded.has_value());
   EXPECT_EQ(loaded->coverage, check.coverage);
+  EXPECT_EQ(loaded->reflectance, check.reflectance);
   EXPECT_EQ(loaded->images, check.images);
   EXPECT_FALSE(load_check(folder / "a", 3, 43).has_value()) << "another bake's";
   EXPECT_FALSE(load_check(folder / "a", 2, 42).has_value()) << "other lights";

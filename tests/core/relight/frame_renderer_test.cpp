@@ -18,6 +18,7 @@
 #include "core/relight/prepared_environment.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/reference/columns.h"
+#include "tests/support/reference/pixel_haar.h"
 #include "tests/support/small_bake.h"
 #include "tests/support/temporary_folder.h"
 
@@ -69,7 +70,10 @@ Reference reference_image(const Bake& bake, const DesignState& state) {
   image.magnitude.resize(image.radiance.size());
   const std::vector<float> zero(kTileFloats);
   for (std::size_t tile = 0; tile < pixels.tile_count(); ++tile) {
-    const auto product = reference::add_columns(bake.transport(), tile, columns, zero);
+    const auto held = reference::add_columns(bake.transport(), tile, columns, zero);
+    const auto reflectance = bake.reflectance().tile_span(tile);
+    const auto product = reference::restore_radiance(held.value, reflectance, false);
+    const auto magnitude = reference::restore_radiance(held.magnitude, reflectance, true);
     for (std::size_t i = 0; i < kTileReceivers; ++i) {
       const auto [x, y] = pixels.pixel(tile * kTileReceivers + i);
       if (x >= pixels.width || y >= pixels.height) continue;
@@ -80,9 +84,9 @@ Reference reference_image(const Bake& bake, const DesignState& state) {
       const Vec3f behind = prepared->background.at(Vec3f(ray));
       for (int c = 0; c < 3; ++c) {
         const std::size_t lane = i / 8 * kBlockFloats + static_cast<std::size_t>(c) * 8 + i % 8;
-        image.geometry[at][c] = product.value[lane];
-        image.radiance[at][c] = product.value[lane] + (1 - double{bake.coverage()[at]}) * behind[c];
-        image.magnitude[at] = std::max(image.magnitude[at], product.magnitude[lane] + behind[c]);
+        image.geometry[at][c] = product[lane];
+        image.radiance[at][c] = product[lane] + (1 - double{bake.coverage()[at]}) * behind[c];
+        image.magnitude[at] = std::max(image.magnitude[at], magnitude[lane] + behind[c]);
       }
     }
   }
