@@ -5,7 +5,6 @@
 
 #include "core/bake/check_lights.h"
 #include "core/bake/compression.h"
-#include "core/basis/cube_haar.h"
 #include "core/image/metrics.h"
 
 namespace rimlight {
@@ -48,17 +47,17 @@ std::size_t write_transport(BakeWriter& writer, const TileStore& store, const Pi
   return bytes;
 }
 
-void write_environments(BakeWriter& writer, const TileStore& store, const Scene& scene,
+void write_environments(BakeWriter& writer, const TileStore& store,
+                        const std::vector<Environment>& environments, const CubeHaar& haar,
                         float least_energy) {
-  const CubeHaar haar(scene.bake.cube_size);
   std::vector<CubeLight> lights;
-  for (const Environment& environment : scene.environments) {
+  for (const Environment& environment : environments) {
     lights.push_back(to_coefficients(haar, environment.project(haar.size())));
   }
   const LightImages images = compressed_images(store, lights, least_energy);
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    writer.add_environment({std::make_shared<const Environment>(scene.environments[i]),
-                            auto_exposure_scale(images[i])});
+    writer.add_environment(
+        {std::make_shared<const Environment>(environments[i]), auto_exposure_scale(images[i])});
   }
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/bake/lane_kernel.h"
+#include "core/base/check.h"
 #include "core/base/parallel.h"
 #include "core/image/metrics.h"
 #include "core/math/random.h"
@@ -119,9 +121,9 @@ std::array<double, kOctaves> worst_psnr(const std::vector<PilotGroup>& groups,
 
 }  // namespace
 
-std::vector<std::size_t> sample_groups(const GroupBaker& baker, std::size_t count,
+std::vector<std::size_t> sample_groups(const GroupSource& source, std::size_t count,
                                        std::uint64_t seed) {
-  const std::size_t groups = baker.layout().receiver_count() / kGroupLanes;
+  const std::size_t groups = source.layout().receiver_count() / kGroupLanes;
   std::vector<std::size_t> order(groups);
   for (std::size_t i = 0; i < groups; ++i) order[i] = i;
   Random random(seed, 0x9110);
@@ -129,25 +131,28 @@ std::vector<std::size_t> sample_groups(const GroupBaker& baker, std::size_t coun
   std::vector<std::size_t> result;
   for (const std::size_t group : order) {
     if (result.size() == count) break;
-    if (baker.sees_geometry(group * kGroupLanes)) result.push_back(group * kGroupLanes);
+    if (source.has_receivers(group * kGroupLanes)) result.push_back(group * kGroupLanes);
   }
   return result;
 }
 
-float pilot_step(const GroupBaker& baker, const std::vector<std::size_t>& first_receivers,
+float pilot_step(const GroupSource& source, const std::vector<std::size_t>& first_receivers,
                  const std::vector<CheckLight>& lights, double psnr_db) {
   std::vector<PilotGroup> groups(first_receivers.size());
+  const std::vector<CubeLight> check_lights = coefficients_of(lights);
   parallel_for(groups.size(), [&](std::size_t i) {
-    BakedGroup baked(baker.haar().size(), lights.size());
-    baker.bake(first_receivers[i], baked);
+    BakedGroup baked(source.cube_size());
+    source.find_rows(first_receivers[i], baked);
+    RIMLIGHT_CHECK(!baked.empty);
     for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
       groups[i].seen[lane] = baked.coverage[lane] > 0;
     }
-    groups[i].whole = baked.check_images;
+    groups[i].whole.resize(lights.size() * kRowLanes);
+    multiply_rows(baked.coefficients, check_lights, groups[i].whole.data());
     store_at_each_step(lights, baked, groups[i]);
   });
   const auto psnr = worst_psnr(groups, lights);
-  const int size = baker.haar().size();
+  const int size = source.cube_size();
   int octave = 0;
   while (octave < kOctaves - 1 && psnr[static_cast<std::size_t>(octave)] < psnr_db) ++octave;
   const auto found = static_cast<std::size_t>(octave);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/error.h"
 #include "core/base/files.h"
@@ -10,26 +9,13 @@
 #include "core/basis/cube_map.h"
 #include "core/image/image_file.h"
 #include "core/transport/bake_manifest.h"
+#include "core/transport/bake_tensors.h"
 
 namespace rimlight {
 namespace {
 
 constexpr std::size_t kMostFiles = 4096;
 constexpr std::size_t kMostImagePixels = std::size_t{1} << 28;
-
-std::string shape_text(const std::vector<std::size_t>& shape) {
-  std::string text = "[";
-  for (const std::size_t side : shape) text += (text.size() > 1 ? ", " : "") + std::to_string(side);
-  return text + "]";
-}
-
-void expect_shape(const TensorFile& file, const std::string& path, const std::string& name,
-                  const std::vector<std::size_t>& expected) {
-  const auto& found = file.shape(name);
-  if (found == expected) return;
-  throw Error(path + ": tensor " + quote(name), "shape " + shape_text(found),
-              "shape " + shape_text(expected));
-}
 
 }  // namespace
 
@@ -52,8 +38,13 @@ Bake::Bake(const std::filesystem::path& folder) : folder_(folder) {
   file_sizes_ = {{kManifestFile, text.size()},
                  {kManifestHashFile, manifest_hash_line(text).size()}};
   for (const auto& item : files_) file_sizes_.emplace_back(item.first, item.second.byte_count());
-  read_transport();
-  read_pixels();
+  const auto path = [this](const char* name) { return (folder_ / name).string(); };
+  const std::size_t columns = cube::texel_count(manifest_.cube_size);
+  transport_ = read_transport(file(kTransportFile), path(kTransportFile),
+                              manifest_.pixels.tile_count(), columns);
+  coverage_ = read_coverage(file(kPixelsFile), path(kPixelsFile), manifest_.pixels);
+  reflectance_ = read_reflectance(file(kPixelsFile), path(kPixelsFile), manifest_.pixels);
+  sketch_ = read_sketch(file(kSketchFile), path(kSketchFile), columns);
   for (const JsonReader& environment : reader.member("environments").elements(1, kMostFiles)) {
     read_environment(environment);
   }
@@ -65,52 +56,6 @@ const TensorFile& Bake::file(const std::string& name) const {
   const auto found = files_.find(name);
   if (found != files_.end()) return found->second;
   throw Error((folder_ / kManifestFile).string() + ": /files", "no " + quote(name), quote(name));
-}
-
-void Bake::read_transport() {
-  const TensorFile& tensors = file(kTransportFile);
-  const std::string path = (folder_ / kTransportFile).string();
-  const std::size_t tiles = manifest_.pixels.tile_count();
-  const std::size_t columns = cube::texel_count(manifest_.cube_size);
-  expect_shape(tensors, path, "column_step", {columns});
-  expect_shape(tensors, path, "tile_first_word", {tiles + 1});
-  expect_shape(tensors, path, "run_offset", {tiles, columns + 1});
-  const auto runs = tensors.tensor<std::uint64_t>("runs", ElementType::u64);
-  expect_shape(tensors, path, "runs", {runs.size()});
-  transport_ = TransportView(
-      {.tile_count = tiles,
-       .column_count = columns,
-       .column_step = tensors.tensor<float>("column_step", ElementType::f32),
-       .tile_first_word = tensors.tensor<std::uint64_t>("tile_first_word", ElementType::u64),
-       .run_offset = tensors.tensor<std::uint32_t>("run_offset", ElementType::u32),
-       .runs = runs},
-      path);
-}
-
-void Bake::read_pixels() {
-  const TensorFile& tensors = file(kPixelsFile);
-  const std::string path = (folder_ / kPixelsFile).string();
-  const PixelLayout& pixels = manifest_.pixels;
-  const auto height = static_cast<std::size_t>(pixels.height);
-  const auto width = static_cast<std::size_t>(pixels.width);
-  expect_shape(tensors, path, "coverage", {height, width});
-  for (const std::uint8_t share : tensors.tensor<std::uint8_t>("coverage", ElementType::u8)) {
-    coverage_.push_back(static_cast<float>(share) / 255);
-  }
-  expect_shape(tensors, path, "reflectance", {height, width, 3});
-  const auto reflectance = tensors.tensor<float>("reflectance", ElementType::f32);
-  for (std::size_t i = 0; i < reflectance.size(); ++i) {
-    if (reflectance[i] >= 0 && reflectance[i] <= std::numeric_limits<float>::max()) continue;
-    throw Error(path + ": tensor \"reflectance\", element " + std::to_string(i),
-                std::to_string(reflectance[i]), "a finite number, 0 or more");
-  }
-  reflectance_ = ReceiverValues(pixels.tile_count());
-  for (std::size_t i = 0; i < height * width; ++i) {
-    const std::size_t receiver =
-        pixels.receiver(static_cast<int>(i % width), static_cast<int>(i / width));
-    reflectance_.set(receiver,
-                     {reflectance[3 * i], reflectance[3 * i + 1], reflectance[3 * i + 2]});
-  }
 }
 
 void Bake::read_environment(const JsonReader& json) {

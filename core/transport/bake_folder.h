@@ -14,6 +14,7 @@
 #include "core/light/environment.h"
 #include "core/math/camera.h"
 #include "core/transport/receivers.h"
+#include "core/transport/sketch.h"
 #include "core/transport/tensor_file.h"
 #include "core/transport/tile_transport.h"
 #include "core/transport/transport.h"
@@ -27,6 +28,7 @@ inline constexpr const char* kManifestFile = "manifest.json";
 inline constexpr const char* kManifestHashFile = "manifest.json.xxh64";
 inline constexpr const char* kTransportFile = "transport.safetensors";
 inline constexpr const char* kPixelsFile = "pixels.safetensors";
+inline constexpr const char* kSketchFile = "sketch.safetensors";
 
 /// An environment as a bake keeps it: its image, as it was read or made, and the exposure that
 /// shows the bake well in it.
@@ -76,6 +78,9 @@ class BakeWriter {
   /// [0, 1], kept in 8 bits; and its reflectance (receiver_planes.h), finite, ≥ 0.
   void add_pixels(const PixelLayout& pixels, std::span<const float> coverage,
                   std::span<const Vec3f> reflectance);
+  /// Sketches what add_transport() and add_pixels() have written; `sums` are of what it was made
+  /// of. Reads all of it back, in parallel.
+  void add_sketch(const SketchSums& sums, const PixelLayout& pixels);
   /// At least one; names differ. The first is the default.
   void add_environment(const BakedEnvironment& environment);
 
@@ -109,6 +114,7 @@ class Bake {
   const std::vector<float>& coverage() const { return coverage_; }
   /// The reflectance that restore_radiance() takes; padded receivers have 0.
   const ReceiverValues& reflectance() const { return reflectance_; }
+  const Sketch& sketch() const { return sketch_; }
   const std::vector<BakedEnvironment>& environments() const { return environments_; }
   /// Names and bytes of the files on disk, for inspect.
   std::vector<std::pair<std::string, std::uint64_t>> files() const { return file_sizes_; }
@@ -117,8 +123,6 @@ class Bake {
 
  private:
   const TensorFile& file(const std::string& name) const;
-  void read_transport();
-  void read_pixels();
   void read_environment(const JsonReader& json);
 
   std::filesystem::path folder_;
@@ -128,6 +132,7 @@ class Bake {
   TransportView transport_;
   std::vector<float> coverage_;
   ReceiverValues reflectance_;
+  Sketch sketch_;
   std::vector<BakedEnvironment> environments_;
 };
 

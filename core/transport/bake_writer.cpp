@@ -15,6 +15,7 @@
 #include "core/base/parallel.h"
 #include "core/transport/bake_folder.h"
 #include "core/transport/bake_manifest.h"
+#include "core/transport/bake_tensors.h"
 
 namespace rimlight {
 namespace {
@@ -179,6 +180,21 @@ void BakeWriter::add_pixels(const PixelLayout& pixels, std::span<const float> co
   add_file(kPixelsFile, writer->finish());
 }
 
+void BakeWriter::add_sketch(const SketchSums& sums, const PixelLayout& pixels) {
+  const auto open = [this](const char* name) {
+    return TensorFile(partial_ / name, files_.at(name));
+  };
+  const auto path = [this](const char* name) { return (partial_ / name).string(); };
+  const TensorFile transport_file = open(kTransportFile), pixels_file = open(kPixelsFile);
+  const std::size_t columns = sums.sums().size() / (3 * kSketchRows);
+  const TransportView stored =
+      read_transport(transport_file, path(kTransportFile), pixels.tile_count(), columns);
+  const auto writer = create(kSketchFile, sketch_tensors(columns));
+  write_sketch(*writer,
+               make_sketch(sums, stored, read_reflectance(pixels_file, path(kPixelsFile), pixels)));
+  add_file(kSketchFile, writer->finish());
+}
+
 void BakeWriter::add_environment(const BakedEnvironment& baked) {
   const Environment& environment = *baked.environment;
   const RgbImage& image = environment.image();
@@ -198,7 +214,8 @@ void BakeWriter::add_environment(const BakedEnvironment& baked) {
 }
 
 void BakeWriter::commit(const BakeManifest& manifest) {
-  RIMLIGHT_CHECK(files_.contains(kTransportFile) && files_.contains(kPixelsFile));
+  RIMLIGHT_CHECK(files_.contains(kTransportFile) && files_.contains(kPixelsFile) &&
+                 files_.contains(kSketchFile));
   RIMLIGHT_CHECK(!environments_.empty());
   nlohmann::json json = manifest_to_json(manifest);
   json["environments"] = environments_;

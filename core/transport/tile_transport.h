@@ -2,8 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,16 +44,5 @@ class Transport {
   std::vector<std::uint64_t> runs_;
   TransportView view_;
 };
-
-/// A finished tile of an unfinished bake, to resume from. The file is `path`, and beside it
-/// `path`.json with its hashes and `fingerprint`, which says what the tile was made from. Both are
-/// written beside and renamed: a killed writer leaves no part that loads. Throws Error.
-void save_part(const std::filesystem::path& path, const TileTransport& tile,
-               std::uint64_t fingerprint);
-
-/// The tile, or nothing when the part is missing, damaged, or of another fingerprint or number of
-/// columns: then it is made again.
-std::optional<TileTransport> load_part(const std::filesystem::path& path, std::size_t column_count,
-                                       std::uint64_t fingerprint);
 
 }  // namespace rimlight

@@ -71,6 +71,9 @@ void fill(BakeWriter& writer, const SmallBake& settings) {
   const auto tiles = small_tiles(settings);
   writer.add_transport(tiles.size(), [&](std::size_t t) { return tiles[t]; });
   writer.add_pixels(settings.pixels, small_coverage(settings), small_reflectance(settings));
+  // Sums of nothing: as if all of the transport were compression's error.
+  const SketchSums sums(cube::texel_count(settings.cube_size), 1);
+  writer.add_sketch(sums, settings.pixels);
   for (const BakedEnvironment& environment : small_environments()) {
     writer.add_environment(environment);
   }

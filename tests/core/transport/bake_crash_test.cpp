@@ -14,6 +14,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/transport/bake_folder.h"
+#include "core/transport/part_file.h"
 #include "tests/support/small_bake.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,4 +1,5 @@
 #include "core/transport/bake_folder.h"
+#include "core/transport/part_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -143,7 +144,7 @@ TEST(BakeFolder, AFlippedBitInAnyFileIsAnErrorThatNamesTheFile) {
     }
     test::overwrite(entry.path(), good);
   }
-  EXPECT_EQ(files, 6);
+  EXPECT_EQ(files, 7);
   EXPECT_EQ(error_of_opening(path), "");
 }
 
@@ -253,7 +254,7 @@ TEST(BakeFolder, TheDocumentsExampleIsAManifestWithAllFields) {
     EXPECT_EQ(TensorFileSummary::from_json(summary).to_json(), summary.value());
     ++files;
   }
-  EXPECT_EQ(files, 3);
+  EXPECT_EQ(files, 4);
   for (const JsonReader& environment : reader.member("environments").elements(1)) {
     EXPECT_EQ(read_layout(environment.member("layout")), EnvironmentLayout::lat_long);
   }
