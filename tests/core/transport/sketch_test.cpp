@@ -199,7 +199,9 @@ TEST(Sketch, EstimatesTheErrorOfImages) {
     ratio_sum += ratio;
     within += std::abs(ratio - 1) <= 0.15;
     residual_sum += share > 0 ? std::sqrt(found.residual) / norm(of_time) : 1;
-    if (share == 0) ASSERT_EQ(found.residual, 0);
+    if (share == 0) {
+      ASSERT_EQ(found.residual, 0);
+    }
   }
   EXPECT_NEAR(ratio_sum / kLights, 1, 0.03);
   EXPECT_NEAR(residual_sum / kLights, 1, 0.03);
