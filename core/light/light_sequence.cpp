@@ -32,22 +32,25 @@ int frames_of(const LightTrack& track) {
   return frames;
 }
 
-/// What the kind of source adds to a pose that is turned already.
-void add_source(const EnvironmentSource&, int, TrackPose&) {}
+// What the kind of source makes of a pose that is turned and multiplied already.
 
-void add_source(const BlendSource& blend, int frame, TrackPose& pose) {
+void set_source(const EnvironmentSource&, int, TrackPose&) {}
+
+void set_source(const BlendSource& blend, int frame, TrackPose& pose) {
   pose.amount = eased_share(frame, blend.frames);
 }
 
-void add_source(const AreaLightSource& light, int frame, TrackPose& pose) {
+void set_source(const AreaLightSource& light, int frame, TrackPose& pose) {
   const double share = eased_share(frame, light.frames);
   pose.direction = normalized(rotated(pose.rotation, light.path.at(share)));
+  pose.rotation = {};  // nothing else of a disc turns
   pose.amount = std::lerp(light.radius_from, light.radius_to, share);
 }
 
-void add_source(const PaintSource& paint, int frame, TrackPose& pose) {
+void set_source(const PaintSource& paint, int frame, TrackPose& pose) {
   const int last = paint.frames - 1;
   pose.amount = static_cast<double>(std::int64_t{std::min(frame, last)} * paint.spots / last);
+  if (pose.amount == 0) pose.rotation = {};
 }
 
 }  // namespace
@@ -55,8 +58,8 @@ void add_source(const PaintSource& paint, int frame, TrackPose& pose) {
 TrackPose pose_at(const LightTrack& track, int frame) {
   TrackPose pose;
   if (track.rotate) pose.rotation = track.rotate->rotation(frame);
-  std::visit([&](const auto& source) { add_source(source, frame, pose); }, track.source);
   pose.factor = track.scale * (track.flicker ? track.flicker->factor(frame) : 1);
+  std::visit([&](const auto& source) { set_source(source, frame, pose); }, track.source);
   return pose;
 }
 

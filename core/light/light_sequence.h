@@ -57,10 +57,10 @@ struct LightTrack {
 
 /// All that a track's light depends on in a frame: frames of equal poses have the same light.
 struct TrackPose {
-  Quaternion rotation;
-  Vec3d direction;    // of an area light, turned
-  double amount = 0;  // share of a blend; radius of an area light; spots painted, a whole number
-  double factor = 1;  // scale times flicker
+  Quaternion rotation;  // of environments and of a painting
+  Vec3d direction;      // of an area light, turned
+  double amount = 0;    // share of a blend; radius of an area light; spots painted, a whole number
+  double factor = 1;    // scale times flicker
 
   friend bool operator==(const TrackPose&, const TrackPose&) = default;
 };

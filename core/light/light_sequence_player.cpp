@@ -1,6 +1,7 @@
 #include "core/light/light_sequence_player.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -14,14 +15,23 @@ namespace {
 
 constexpr float kBrightest = 1e30f;
 
-CubeLight projected(const std::string& name, int size, const LightEnvironments& environments) {
-  CubeLight light = environments.at(name)->project(size);
-  for (const float value : light.values) {
-    if (value <= kBrightest) continue;
-    throw Error("environment " + quote(name), "the radiance " + std::to_string(value),
-                "at most 1e30");
+using ProjectedLights = std::map<std::string, CubeLight>;
+
+/// Every environment that the sequence uses, once.
+ProjectedLights project_lights(const LightSequence& sequence, int size,
+                               const LightEnvironments& environments) {
+  ProjectedLights lights;
+  for (const std::string& name : sequence.light_names()) {
+    const auto found = environments.find(name);
+    RIMLIGHT_CHECK(found != environments.end());
+    const CubeLight& light = lights[name] = found->second->project(size);
+    const float brightest = *std::max_element(light.values.begin(), light.values.end());
+    if (!(brightest <= kBrightest)) {
+      throw Error("environment " + quote(name), "the radiance " + std::to_string(brightest),
+                  "at most 1e30");
+    }
   }
-  return light;
+  return lights;
 }
 
 void add_spot(const PaintSource& paint, int spot, const Quaternion& rotation, CubeLight& light) {
@@ -35,13 +45,13 @@ void add_spot(const PaintSource& paint, int spot, const Quaternion& rotation, Cu
 /// One track's light before its factor: kept from frame to frame, made anew where its pose changes.
 class LightSequencePlayer::TrackLight {
  public:
-  TrackLight(const LightTrack& track, int size, const LightEnvironments& environments)
+  TrackLight(const LightTrack& track, int size, const ProjectedLights& lights)
       : track_(track), light_(size), second_(0) {
     if (const auto* const one = std::get_if<EnvironmentSource>(&track.source)) {
-      rotators_.emplace_back(projected(one->light, size, environments));
+      rotators_.emplace_back(lights.at(one->light));
     } else if (const auto* const blend = std::get_if<BlendSource>(&track.source)) {
-      rotators_.emplace_back(projected(blend->from, size, environments));
-      rotators_.emplace_back(projected(blend->to, size, environments));
+      rotators_.emplace_back(lights.at(blend->from));
+      rotators_.emplace_back(lights.at(blend->to));
       second_ = CubeLight(size);
     }
   }
@@ -100,8 +110,9 @@ LightSequencePlayer::LightSequencePlayer(LightSequence sequence, int size,
     : sequence_(std::move(sequence)) {
   RIMLIGHT_CHECK(size >= 2 && size <= cube::kLargestSize);
   frame_.light = CubeLight(size);
+  const ProjectedLights lights = project_lights(sequence_, size, environments);
   for (const LightTrack& track : sequence_.tracks) {
-    tracks_.push_back(std::make_unique<TrackLight>(track, size, environments));
+    tracks_.push_back(std::make_unique<TrackLight>(track, size, lights));
   }
 }
 
