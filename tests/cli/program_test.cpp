@@ -151,6 +151,25 @@ TEST_F(Program, BadRenderRequestsSayWhatWasExpected) {
   EXPECT_THAT(huge.errors, HasSubstr("cut.hdr"));
 }
 
+TEST_F(Program, LoadPlaysOnlySequencesThatEditsCanShow) {
+  // Refused before any server is looked for: there is none at this address.
+  const auto load = [](const std::vector<std::string>& extra) {
+    std::vector<std::string> arguments = {"load", "--url", "ws://127.0.0.1:1"};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    return run_program(arguments);
+  };
+  for (const char* name : {"area-light", "blend", "flicker", "paint"}) {
+    const ProgramResult result = load({"--sequence", name});
+    EXPECT_EQ(result.status, 1);
+    EXPECT_THAT(result.errors, HasSubstr("sequence \"" + std::string(name) + "\": found light"));
+  }
+  EXPECT_THAT(load({"--sequence", "rotation"}).errors, HasSubstr("127.0.0.1:1"));
+  EXPECT_THAT(load({"--sequence", "spin"}).errors, HasSubstr("\"rotation\""));
+  write(folder_ / "bad.json", R"({"tracks": [{"light": "moon"}]})");
+  EXPECT_THAT(load({"--sequence", path("bad.json")}).errors, HasSubstr("/tracks/0/light"));
+  EXPECT_EQ(load({"--sequence", "rotation", "--script", "x.json"}).status, 2);
+}
+
 TEST_F(Program, ADamagedBakeIsRefusedByEveryCommand) {
   bake_scene();
   const auto file = folder_ / "a.bake" / "transport.safetensors";
