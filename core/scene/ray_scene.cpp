@@ -70,18 +70,32 @@ void attach(RTCDevice device, RTCScene scene, const Mesh& mesh, unsigned id) {
   rtcAttachGeometryByID(scene, geometry.get(), id);
 }
 
-RTCRay embree_ray(const Ray& ray, float far) {
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// What is the same for every ray.
+RTCRay blank_ray() {
   RTCRay result{};
+  result.tnear = 0;
+  result.mask = 0xffffffffu;
+  return result;
+}
+
+/// The rest of a blank ray. (Embree changes nothing but the end of a ray that it tests.)
+void set_ray(const Ray& ray, float far, RTCRay& result) {
   result.org_x = ray.origin.x;
   result.org_y = ray.origin.y;
   result.org_z = ray.origin.z;
   result.dir_x = ray.direction.x;
   result.dir_y = ray.direction.y;
   result.dir_z = ray.direction.z;
-  result.tnear = 0;
   result.tfar = far;
-  result.mask = 0xffffffffu;
-  return result;
+}
+
+RTCIntersectContext incoherent_context() {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  return context;
 }
 
 float largest_component(const Vec3f& v) {
@@ -174,7 +188,8 @@ float RayScene::extent() const { return state_->extent; }
 
 std::optional<SurfaceHit> RayScene::intersect(const Ray& ray) const {
   RTCRayHit query{};
-  query.ray = embree_ray(ray, std::numeric_limits<float>::infinity());
+  query.ray = blank_ray();
+  set_ray(ray, kInfinity, query.ray);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -206,24 +221,39 @@ void RayScene::visible(std::span<const Ray> rays, std::span<const float> far,
                        std::span<std::uint8_t> visible) const {
   RIMLIGHT_CHECK_EQ(visible.size(), rays.size());
   RIMLIGHT_CHECK(far.empty() || far.size() == rays.size());
-  alignas(64) thread_local std::array<RTCRay, kStreamSize> stream;
+  alignas(64) thread_local std::array<RTCRay, kStreamSize> stream = [] {
+    std::array<RTCRay, kStreamSize> blank{};
+    blank.fill(blank_ray());
+    return blank;
+  }();
   flush_denormals();
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  RTCIntersectContext context = incoherent_context();
   for (std::size_t begin = 0; begin < rays.size(); begin += kStreamSize) {
     const std::size_t count = std::min(kStreamSize, rays.size() - begin);
     for (std::size_t i = 0; i < count; ++i) {
-      const float end = far.empty() ? std::numeric_limits<float>::infinity() : far[begin + i];
-      stream[i] = embree_ray(rays[begin + i], end);
+      set_ray(rays[begin + i], far.empty() ? kInfinity : far[begin + i], stream[i]);
     }
     rtcOccluded1M(state_->tree.get(), &context, stream.data(), static_cast<unsigned>(count),
                   sizeof(RTCRay));
     // An occluded ray's end is set to minus infinity.
     for (std::size_t i = 0; i < count; ++i) {
-      visible[begin + i] = stream[i].tfar == -std::numeric_limits<float>::infinity() ? 0 : 1;
+      visible[begin + i] = stream[i].tfar == -kInfinity ? 0 : 1;
     }
   }
+}
+
+void RayScene::visible(SkyRays& rays, std::span<std::uint8_t> visible) const {
+  RIMLIGHT_CHECK(rays.count <= SkyRays::kCapacity && rays.count <= visible.size());
+  flush_denormals();
+  RTCIntersectContext context = incoherent_context();
+  std::fill_n(rays.end.begin(), rays.count, kInfinity);
+  const RTCRayNp stream = {
+      rays.origin[0].data(),    rays.origin[1].data(),    rays.origin[2].data(),
+      rays.zero.data(),         rays.direction[0].data(), rays.direction[1].data(),
+      rays.direction[2].data(), rays.zero.data(),         rays.end.data(),
+      rays.all_bits.data(),     rays.no_bits.data(),      rays.no_bits.data()};
+  rtcOccludedNp(state_->tree.get(), &context, &stream, static_cast<unsigned>(rays.count));
+  for (std::size_t i = 0; i < rays.count; ++i) visible[i] = rays.end[i] == -kInfinity ? 0 : 1;
 }
 
 Vec3f RayScene::ray_origin(const SurfaceHit& hit, const Vec3f& direction) {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/scene/scene.h"
+#include "core/scene/sky_rays.h"
 
 namespace rimlight {
 
@@ -46,6 +47,10 @@ class RayScene {
   /// nothing. Flushes denormals on the calling thread.
   void visible(std::span<const Ray> rays, std::span<const float> far,
                std::span<std::uint8_t> visible) const;
+
+  /// The same for rays to the sky that are already laid out for Embree: visible[i] for the first
+  /// `rays.count` of them, for which there must be room. The rays stay as they are.
+  void visible(SkyRays& rays, std::span<std::uint8_t> visible) const;
 
   /// A point to start a ray from `hit` towards `direction`, clear of the surface.
   static Vec3f ray_origin(const SurfaceHit& hit, const Vec3f& direction);
