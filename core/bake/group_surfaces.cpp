@@ -1,5 +1,6 @@
 #include "core/bake/group_surfaces.h"
 
+#include <bit>
 #include <numbers>
 #include <numeric>
 
@@ -75,6 +76,13 @@ void GroupSurfaces::assign(const GroupSamples& samples, std::uint64_t seed) {
   }
 }
 
+float GroupSurfaces::surfaces_per_pixel() const {
+  int surfaces = 0;
+  for (std::size_t i = 0; i < layer_count_; ++i) surfaces += std::popcount(layers_[i].lanes);
+  const int pixels = layer_count_ > 0 ? std::popcount(layers_[0].lanes) : 1;
+  return static_cast<float>(surfaces) / static_cast<float>(pixels);
+}
+
 void GroupSurfaces::add(const PixelSurface& surface, std::size_t lane, std::size_t layer,
                         std::uint64_t seed) {
   if (layer == layer_count_) {
@@ -98,8 +106,8 @@ void GroupSurfaces::add(const PixelSurface& surface, std::size_t lane, std::size
   to.first_hit[lane] = static_cast<std::int32_t>(hits_.size());
   to.hit_count[lane] = static_cast<std::int32_t>(surface.hits.size());
   to.hit_step[lane] = walk_step(to.hit_count[lane]);
-  to.seed_low[lane] = static_cast<std::uint32_t>(seed);
-  to.seed_high[lane] = static_cast<std::uint32_t>(seed >> 32);
+  to.seed_low[lane] = static_cast<std::int32_t>(seed);
+  to.seed_high[lane] = static_cast<std::int32_t>(seed >> 32);
   for (const SurfaceHit* hit : surface.hits) hits_.add(*hit);
 }
 

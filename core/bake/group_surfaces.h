@@ -41,7 +41,7 @@ struct SurfaceLayer {
   /// in steps of hit_step, modulo hit_count, visits far ones first, and all in the end.
   LaneArray<std::int32_t> first_hit, hit_count, hit_step;
   /// Of its random numbers: 64 bits.
-  LaneArray<std::uint32_t> seed_low, seed_high;
+  LaneArray<std::int32_t> seed_low, seed_high;
 };
 
 /// A surface whose BRDF depends on both directions.
@@ -83,6 +83,8 @@ class GroupSurfaces {
   const SurfaceLayer& layer(std::size_t i) const { return layers_[i]; }
   const std::vector<LobeSurface>& lobes() const { return lobes_; }
   const HitTable& hits() const { return hits_; }
+  /// Of the pixels that have any.
+  float surfaces_per_pixel() const;
 
  private:
   void add(const PixelSurface& surface, std::size_t lane, std::size_t layer, std::uint64_t seed);

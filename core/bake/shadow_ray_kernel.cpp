@@ -5,6 +5,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <bit>
+
 #include "core/base/check.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -51,52 +53,59 @@ HWY_INLINE FloatVector fraction(BitVector bits) {
   return hn::Mul(hn::ConvertTo(f32, high), hn::Set(f32, 0x1p-24f));
 }
 
-/// Where a surface's rays to a texel stand: at a point of the texel and at one of the hits.
-class Walk {
- public:
-  HWY_INLINE Walk(const SurfaceLayer& layer, std::size_t texel, std::size_t i)
-      : hit_count_(hn::Load(Ints(), layer.hit_count.data() + i)),
-        hit_step_(hn::Load(Ints(), layer.hit_step.data() + i)) {
-    const Bits u32;
-    const auto scramble = [u32](BitVector v) {
-      return hn::Add(hn::Mul(v, hn::Set(u32, 1664525u)), hn::Set(u32, 1013904223u));
-    };
-    auto x = scramble(hn::Set(u32, static_cast<std::uint32_t>(texel)));
-    auto y = scramble(hn::Load(u32, layer.seed_low.data() + i));
-    auto z = scramble(hn::Load(u32, layer.seed_high.data() + i));
-    mix(x, y, z);
-    x = hn::Xor(x, hn::ShiftRight<16>(x));
-    y = hn::Xor(y, hn::ShiftRight<16>(y));
-    z = hn::Xor(z, hn::ShiftRight<16>(z));
-    mix(x, y, z);
-    u_ = x;
-    v_ = y;
-    const auto place = hn::Mul(fraction(z), hn::ConvertTo(Floats(), hit_count_));
-    hit_ = hn::Min(hn::ConvertTo(Ints(), place), hn::Sub(hit_count_, hn::Set(Ints(), 1)));
-  }
+/// Numbers of the lanes in `lane`.
+HWY_INLINE IntVector pick(const LaneArray<std::int32_t>& numbers, IntVector lane) {
+  return hn::GatherIndex(Ints(), numbers.data(), lane);
+}
 
-  HWY_INLINE void advance() {
-    // 1/ρ and 1/ρ² of the plastic number ρ, times 2³².
-    u_ = hn::Add(u_, hn::Set(Bits(), 3242174889u));
-    v_ = hn::Add(v_, hn::Set(Bits(), 2447445414u));
-    const auto next = hn::Add(hit_, hit_step_);
-    hit_ = hn::IfThenElse(hn::Lt(next, hit_count_), next, hn::Sub(next, hit_count_));
-  }
-
-  HWY_INLINE FloatVector u() const { return fraction(u_); }
-  HWY_INLINE FloatVector v() const { return fraction(v_); }
-  HWY_INLINE IntVector hit() const { return hit_; }
-
- private:
-  static HWY_INLINE void mix(BitVector& x, BitVector& y, BitVector& z) {
-    x = hn::Add(x, hn::Mul(y, z));
-    y = hn::Add(y, hn::Mul(z, x));
-    z = hn::Add(z, hn::Mul(x, y));
-  }
-
-  BitVector u_, v_;
-  IntVector hit_, hit_count_, hit_step_;
+/// The points of the texel and the hits that rays go to and come from.
+struct Ends {
+  FloatVector u, v;
+  IntVector hit;
 };
+
+HWY_INLINE void mix(BitVector& x, BitVector& y, BitVector& z) {
+  x = hn::Add(x, hn::Mul(y, z));
+  y = hn::Add(y, hn::Mul(z, x));
+  z = hn::Add(z, hn::Mul(x, y));
+}
+
+/// A number below `count`, from 32 random bits.
+HWY_INLINE IntVector below(IntVector count, BitVector random) {
+  const auto place = hn::Mul(fraction(random), hn::ConvertTo(Floats(), count));
+  return hn::Min(hn::ConvertTo(Ints(), place), hn::Sub(count, hn::Set(Ints(), 1)));
+}
+
+/// Of the rays `k` ≤ last_k of surfaces.
+HWY_INLINE Ends ray_ends(const SurfaceLayer& layer, std::size_t texel, IntVector lane, BitVector k,
+                         int last_k) {
+  const Bits u32;
+  const Ints i32;
+  const auto scramble = [u32](BitVector bits) {
+    return hn::Add(hn::Mul(bits, hn::Set(u32, 1664525u)), hn::Set(u32, 1013904223u));
+  };
+  auto x = scramble(hn::Set(u32, static_cast<std::uint32_t>(texel)));
+  auto y = scramble(hn::BitCast(u32, pick(layer.seed_low, lane)));
+  auto z = scramble(hn::BitCast(u32, pick(layer.seed_high, lane)));
+  mix(x, y, z);
+  x = hn::Xor(x, hn::ShiftRight<16>(x));
+  y = hn::Xor(y, hn::ShiftRight<16>(y));
+  z = hn::Xor(z, hn::ShiftRight<16>(z));
+  mix(x, y, z);
+  // 1/ρ and 1/ρ² of the plastic number ρ, times 2³².
+  const auto u = hn::Add(x, hn::Mul(k, hn::Set(u32, 3242174889u)));
+  const auto v = hn::Add(y, hn::Mul(k, hn::Set(u32, 2447445414u)));
+  const auto hit_count = pick(layer.hit_count, lane);
+  auto hit = below(hit_count, z);
+  if (last_k > 0) {
+    hit = hn::Add(hit, hn::Mul(hn::BitCast(i32, k), pick(layer.hit_step, lane)));
+    for (int i = 0; i < last_k; ++i) {
+      const auto less = hn::Sub(hit, hit_count);
+      hit = hn::IfThenElse(hn::Lt(less, hn::Zero(i32)), hit, less);
+    }
+  }
+  return {fraction(u), fraction(v), hn::Add(pick(layer.first_hit, lane), hit)};
+}
 
 /// A hit for each lane.
 struct Hits {
@@ -132,11 +141,11 @@ struct RayVector {
   VectorOf3 origin, direction;
 };
 
-HWY_INLINE RayVector ray_vector(const Hits& hits, const TexelPatch& texel, const Walk& walk,
+HWY_INLINE RayVector ray_vector(const Hits& hits, const TexelPatch& texel, const Ends& ends,
                                 hn::Mask<Floats> wanted) {
   const auto zero = hn::Zero(Floats());
-  auto direction = mul_add(spread(texel.across), walk.u(), spread(texel.corner));
-  direction = mul_add(spread(texel.up), walk.v(), direction);
+  auto direction = mul_add(spread(texel.across), ends.u, spread(texel.corner));
+  direction = mul_add(spread(texel.up), ends.v, direction);
   const auto above = hn::And(hn::Gt(dot(hits.geometric_normal, direction), zero),
                              hn::Gt(dot(hits.shading_normal, direction), zero));
   auto offset = hits.offset;
@@ -148,34 +157,40 @@ HWY_INLINE RayVector ray_vector(const Hits& hits, const TexelPatch& texel, const
   return {mul_add(hits.geometric_normal, offset, hits.position), direction};
 }
 
+/// The rays' slots: all of one lane, then all of the next.
+HWY_INLINE void add_slots(const ShadowRayRequest& request, ShadowRays& rays) {
+  std::uint32_t* slot = rays.slot.data() + rays.rays.count;
+  for (LaneSet lanes = request.lanes; lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
+    for (int i = 0; i < request.count; ++i) *slot++ = request.first_slot + lane;
+  }
+  rays.rays.count = static_cast<std::size_t>(slot - rays.slot.data());
+}
+
 void add_shadow_rays_impl(const ShadowRayRequest& request, ShadowRays& rays) {
   const Floats f32;
   const Ints i32;
   const Bits u32;
   SkyRays& to = rays.rays;
-  const std::size_t step = hn::Lanes(f32);
-  const auto lane_bits = hn::Shl(hn::Set(i32, 1), hn::Iota(i32, 0));
-  for (std::size_t i = 0; i < kGroupLanes; i += step) {
-    const auto bits = static_cast<int>((request.lanes >> i) & ((LaneSet{1} << step) - 1));
-    if (bits == 0) continue;
-    const auto wanted = hn::TestBit(hn::Set(i32, bits), lane_bits);
-    const auto wanted_floats = hn::RebindMask(f32, wanted);
-    const auto slot = hn::Iota(u32, request.first_slot + static_cast<std::uint32_t>(i));
-    const auto first_hit = hn::Load(i32, request.layer.first_hit.data() + i);
-    Walk walk(request.layer, request.texel.texel, i);
-    for (int k = 0; k < request.end; ++k, walk.advance()) {
-      if (k < request.first) continue;
-      const Hits hits(request.hits, hn::Add(first_hit, walk.hit()));
-      const RayVector ray = ray_vector(hits, request.texel, walk, wanted_floats);
-      const std::size_t at = to.count;
-      hn::CompressStore(ray.origin.x, wanted_floats, f32, to.origin[0].data() + at);
-      hn::CompressStore(ray.origin.y, wanted_floats, f32, to.origin[1].data() + at);
-      hn::CompressStore(ray.origin.z, wanted_floats, f32, to.origin[2].data() + at);
-      hn::CompressStore(ray.direction.x, wanted_floats, f32, to.direction[0].data() + at);
-      hn::CompressStore(ray.direction.y, wanted_floats, f32, to.direction[1].data() + at);
-      hn::CompressStore(ray.direction.z, wanted_floats, f32, to.direction[2].data() + at);
-      to.count += hn::CompressStore(slot, hn::RebindMask(u32, wanted), u32, rays.slot.data() + at);
-    }
+  const std::size_t begin = to.count;
+  add_slots(request, rays);
+  const auto k_mask = hn::Set(u32, static_cast<std::uint32_t>(request.count - 1));
+  const auto first_k = hn::Set(u32, static_cast<std::uint32_t>(request.first));
+  for (std::size_t at = begin; at < to.count; at += hn::Lanes(f32)) {
+    const auto slot = hn::LoadU(u32, rays.slot.data() + at);
+    const auto lane = hn::BitCast(i32, hn::And(slot, hn::Set(u32, kGroupLanes - 1)));
+    const auto number = hn::Iota(u32, static_cast<std::uint32_t>(at - begin));
+    const auto k = hn::Add(first_k, hn::And(number, k_mask));
+    const Ends ends =
+        ray_ends(request.layer, request.texel.texel, lane, k, request.first + request.count - 1);
+    const Hits hits(request.hits, ends.hit);
+    const RayVector ray = ray_vector(hits, request.texel, ends, hn::FirstN(f32, to.count - at));
+    hn::StoreU(ray.origin.x, f32, to.origin[0].data() + at);
+    hn::StoreU(ray.origin.y, f32, to.origin[1].data() + at);
+    hn::StoreU(ray.origin.z, f32, to.origin[2].data() + at);
+    hn::StoreU(ray.direction.x, f32, to.direction[0].data() + at);
+    hn::StoreU(ray.direction.y, f32, to.direction[1].data() + at);
+    hn::StoreU(ray.direction.z, f32, to.direction[2].data() + at);
   }
 }
 
@@ -189,8 +204,9 @@ namespace rimlight {
 HWY_EXPORT(add_shadow_rays_impl);
 
 void add_shadow_rays(const ShadowRayRequest& request, ShadowRays& rays) {
-  RIMLIGHT_CHECK(rays.rays.count +
-                     static_cast<std::size_t>(request.end - request.first) * kGroupLanes <=
+  RIMLIGHT_CHECK(std::has_single_bit(static_cast<unsigned>(request.count)));
+  RIMLIGHT_CHECK_EQ(request.first_slot % kGroupLanes, 0u);
+  RIMLIGHT_CHECK(rays.rays.count + static_cast<std::size_t>(request.count) * kGroupLanes <=
                  SkyRays::kCapacity);
   HWY_DYNAMIC_DISPATCH(add_shadow_rays_impl)(request, rays);
 }

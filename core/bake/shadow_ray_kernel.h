@@ -16,18 +16,19 @@ struct ShadowRays {
   alignas(64) std::array<std::uint32_t, SkyRays::kCapacity + SkyRays::kSlack> slot{};
 };
 
-/// Which rays: of the surfaces of `lanes` in a layer to a texel, ray `first` up to, not including,
-/// ray `end` of each. Lane i's answers go to slot `first_slot` + i.
+/// Which rays: of the surfaces of `lanes` in a layer to a texel, `count` of each from number
+/// `first` on; count is a power of two. Lane i's answers go to slot `first_slot` + i, where
+/// first_slot is a multiple of 64.
 struct ShadowRayRequest {
   const SurfaceLayer& layer;
   const HitTable& hits;
   TexelPatch texel;
   LaneSet lanes = 0;
-  int first = 0, end = 1;
+  int first = 0, count = 1;
   std::uint32_t first_slot = 0;
 };
 
-/// Adds the rays; there must be room for (end − first) · 64.
+/// Adds the rays, lane by lane; there must be room for count · 64.
 ///
 /// Ray k starts at the k-th hit of a walk over the surface's hits and goes to the k-th point of an
 /// R2 sequence over the texel, both from a random begin, so that few rays cover pixel and texel

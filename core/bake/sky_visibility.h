@@ -53,7 +53,7 @@ class SkyVisibility {
   }
   void find_refined(int cube_size);
   void cast(const RayScene& scene, const GroupSurfaces& surfaces, const TexelQuadrature& texels,
-            const std::vector<LaneSet>& lanes, int first, int end);
+            const std::vector<LaneSet>& lanes, int first, int count);
   void collect(const RayScene& scene);
 
   std::size_t layer_count_ = 0;
@@ -61,6 +61,7 @@ class SkyVisibility {
   std::vector<LaneSet> responding_, refined_;  // [layer][texel]
   AlignedVector<std::uint8_t> lit_rays_;       // [layer][texel][lane]
   std::vector<LaneSet> lit_, dark_, mixed_;    // [texel], of all layers together
+  Coherence coherence_ = Coherence::low;
   ShadowRays rays_;
   std::array<std::uint8_t, SkyRays::kCapacity> visible_{};
 };
