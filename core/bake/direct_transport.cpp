@@ -1,9 +1,11 @@
 #include "core/bake/direct_transport.h"
 
+#include <vector>
+
 #include "core/bake/group_surfaces.h"
+#include "core/bake/lambert_kernel.h"
 #include "core/bake/lobe_response.h"
 #include "core/bake/sky_visibility.h"
-#include "core/bake/surface_response_kernel.h"
 #include "core/base/check.h"
 
 namespace rimlight {
@@ -13,31 +15,42 @@ namespace {
 struct Workspace {
   GroupSurfaces surfaces;
   SkyVisibility visibility;
-  LobeResponses lobes;
+  std::vector<Vec3f> lobe_responses;  // by texel, layer, lane
 };
 
 void find_responding(const TexelQuadrature& texels, Workspace& work) {
+  work.lobe_responses.clear();
   work.visibility.clear(work.surfaces.layer_count(), texels);
-  for (std::size_t layer = 0; layer < work.surfaces.layer_count(); ++layer) {
-    for (std::size_t texel = 0; texel < texels.count(); ++texel) {
+  for (std::size_t texel = 0; texel < texels.count(); ++texel) {
+    const Quarters& quarters = texels.quarters(texel);
+    for (std::size_t layer = 0; layer < work.surfaces.layer_count(); ++layer) {
+      const LaneSet facing = facing_lanes(work.surfaces.layer(layer), quarters);
       work.visibility.responding(layer, texel) =
-          facing_lanes(work.surfaces.layer(layer), texels.quarters(texel));
+          responding_lanes(work.surfaces, layer, quarters, facing, work.lobe_responses);
     }
   }
-  work.lobes.evaluate(work.surfaces, texels, work.visibility);
 }
 
 void add_to_rows(const TexelQuadrature& texels, const Workspace& work, GroupRows& rows) {
+  const Vec3f* response = work.lobe_responses.data();
   for (std::size_t texel = 0; texel < texels.count(); ++texel) {
-    for (std::size_t layer = 0; layer < work.surfaces.layer_count(); ++layer) {
-      if (work.visibility.responding(layer, texel) == 0) continue;
-      add_lambert(work.surfaces.layer(layer),
-                  {texels.quarters(texel), work.visibility.lit_rays(layer, texel),
-                   work.visibility.refined(layer, texel), SkyVisibility::kRefinedWeight},
-                  rows.row(texel));
+    float* const row = rows.row(texel);
+    for (std::size_t i = 0; i < work.surfaces.layer_count(); ++i) {
+      const LaneSet responding = work.visibility.responding(i, texel);
+      if (responding == 0) continue;
+      const SurfaceLayer& layer = work.surfaces.layer(i);
+      add_lambert(layer,
+                  {texels.quarters(texel), work.visibility.lit_rays(i, texel),
+                   work.visibility.refined(i, texel), SkyVisibility::kRefinedWeight},
+                  row);
+      for_each_lane(responding & layer.lobe_lanes, [&](std::size_t lane) {
+        const Vec3f value = *response++ * work.visibility.visibility(i, texel, lane);
+        for (std::size_t c = 0; c < 3; ++c) {
+          row[c * kGroupLanes + lane] += value[static_cast<int>(c)];
+        }
+      });
     }
   }
-  work.lobes.add(work.surfaces, work.visibility, rows);
 }
 
 }  // namespace

@@ -26,15 +26,16 @@ std::int32_t walk_step(std::int32_t hit_count) {
   return step % hit_count;
 }
 
-LobeSurface lobe_surface(const PixelSurface& surface, std::size_t lane, std::size_t layer) {
+LobeSurface lobe_surface(const PixelSurface& surface) {
   const auto frame = [&](std::size_t quarter) {
     return Frame<float>(surface.hits[responder(surface, quarter)]->shading_normal);
   };
   static_assert(kQuarters == 4);
-  LobeSurface result{
-      layer, lane, surface.brdf, surface.share, {frame(0), frame(1), frame(2), frame(3)}, {}};
+  LobeSurface result{surface.brdf, surface.share, {frame(0), frame(1), frame(2), frame(3)}, {}, {}};
   for (std::size_t q = 0; q < kQuarters; ++q) {
-    result.outgoing[q] = result.frame[q].to_local(surface.outgoing[responder(surface, q)]);
+    const std::size_t hit = responder(surface, q);
+    result.geometric_normal[q] = surface.hits[hit]->geometric_normal;
+    result.outgoing[q] = result.frame[q].to_local(surface.outgoing[hit]);
   }
   return result;
 }
@@ -101,7 +102,9 @@ void GroupSurfaces::add(const PixelSurface& surface, std::size_t lane, std::size
     const float scale = surface.share * std::numbers::inv_pi_v<float>;
     set_lane(to.lambert, lane, surface.brdf.albedo * scale);
   } else {
-    lobes_.push_back(lobe_surface(surface, lane, layer));
+    to.lobe_lanes |= lane_bit(lane);
+    to.lobe[lane] = static_cast<std::int32_t>(lobes_.size());
+    lobes_.push_back(lobe_surface(surface));
   }
   to.first_hit[lane] = static_cast<std::int32_t>(hits_.size());
   to.hit_count[lane] = static_cast<std::int32_t>(surface.hits.size());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -16,6 +17,12 @@ namespace rimlight {
 using LaneSet = std::uint64_t;
 static_assert(kGroupLanes == 64);
 constexpr LaneSet lane_bit(std::size_t lane) { return LaneSet{1} << lane; }
+
+/// Calls visit(lane) for the lanes of a set, from the first to the last.
+template <typename Visit>
+void for_each_lane(LaneSet lanes, const Visit& visit) {
+  for (; lanes != 0; lanes &= lanes - 1) visit(static_cast<std::size_t>(std::countr_zero(lanes)));
+}
 
 /// One number for each lane, ready for vector code.
 template <typename T>
@@ -37,6 +44,9 @@ struct SurfaceLayer {
   std::array<LaneVectors, kQuarters> geometric_normal;
   /// Lambert surfaces: share · albedo / π by channel. The others: 0.
   std::array<LaneArray<float>, 3> lambert;
+  /// The others: their places in GroupSurfaces::lobes.
+  LaneSet lobe_lanes = 0;
+  LaneArray<std::int32_t> lobe;
   /// A surface's hits: hit_count of them (blank: 1) from first_hit of GroupSurfaces::hits. A walk
   /// in steps of hit_step, modulo hit_count, visits far ones first, and all in the end.
   LaneArray<std::int32_t> first_hit, hit_count, hit_step;
@@ -46,11 +56,12 @@ struct SurfaceLayer {
 
 /// A surface whose BRDF depends on both directions.
 struct LobeSurface {
-  std::size_t layer = 0, lane = 0;
   Brdf brdf;
   float share = 0;
-  std::array<Frame<float>, kQuarters> frame;  // of the four hits that stand for all
-  std::array<Vec3f, kQuarters> outgoing;      // local to the frame
+  // Of the four hits that stand for all.
+  std::array<Frame<float>, kQuarters> frame;
+  std::array<Vec3f, kQuarters> geometric_normal;
+  std::array<Vec3f, kQuarters> outgoing;  // local to the frame
 };
 
 /// What rays to the sky need of the hits of all surfaces: one array a component.

@@ -160,10 +160,11 @@ HWY_INLINE RayVector ray_vector(const Hits& hits, const TexelPatch& texel, const
 /// The rays' slots: all of one lane, then all of the next.
 HWY_INLINE void add_slots(const ShadowRayRequest& request, ShadowRays& rays) {
   std::uint32_t* slot = rays.slot.data() + rays.rays.count;
-  for (LaneSet lanes = request.lanes; lanes != 0; lanes &= lanes - 1) {
-    const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-    for (int i = 0; i < request.count; ++i) *slot++ = request.first_slot + lane;
-  }
+  for_each_lane(request.lanes, [&](std::size_t lane) {
+    for (int i = 0; i < request.count; ++i) {
+      *slot++ = request.first_slot + static_cast<std::uint32_t>(lane);
+    }
+  });
   rays.rays.count = static_cast<std::size_t>(slot - rays.slot.data());
 }
 

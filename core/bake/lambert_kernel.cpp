@@ -1,6 +1,6 @@
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "core/bake/surface_response_kernel.cpp"
-#include "core/bake/surface_response_kernel.h"
+#define HWY_TARGET_INCLUDE "core/bake/lambert_kernel.cpp"
+#include "core/bake/lambert_kernel.h"
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
