@@ -36,7 +36,7 @@ GroupSamples one_pixel(const std::vector<std::optional<SurfaceHit>>& hits) {
 TEST(PixelSurfaces, LikeHitsShareOneSurfaceWithTheirMeanAlbedo) {
   const auto samples = one_pixel({hit_with({0, 1, 0}, 0.5f), hit_with({0.1f, 1, 0}, 0.54f),
                                   std::nullopt, hit_with({0, 1, 0.1f}, 0.52f)});
-  std::vector<PixelSurface> surfaces;
+  PixelSurfaces surfaces;
   find_surfaces(samples, 0, surfaces);
   ASSERT_EQ(surfaces.size(), 1u);
   EXPECT_EQ(surfaces[0].hits.size(), 3u);
@@ -49,7 +49,7 @@ TEST(PixelSurfaces, LikeHitsShareOneSurfaceWithTheirMeanAlbedo) {
 TEST(PixelSurfaces, OtherNormalsAndOtherMaterialsAreOtherSurfaces) {
   const auto samples = one_pixel({hit_with({0, 1, 0}, 0.5f), hit_with({1, 0, 0}, 0.5f),
                                   hit_with({0, 1, 0}, 0.9f), hit_with({0, 1, 0}, 0.5f)});
-  std::vector<PixelSurface> surfaces;
+  PixelSurfaces surfaces;
   find_surfaces(samples, 0, surfaces);
   EXPECT_EQ(surfaces.size(), 3u);
 }
@@ -64,7 +64,7 @@ TEST(PixelSurfaces, SharesSumToTheCoverageHoweverManyKindsThereAre) {
   // Opposite normals, whose sum is zero.
   hits.emplace_back(hit_with({0, 0, 1}, 0.5f));
   hits.emplace_back(hit_with({0, 0, -1}, 0.5f));
-  std::vector<PixelSurface> surfaces;
+  PixelSurfaces surfaces;
   find_surfaces(one_pixel(hits), 0, surfaces);
   EXPECT_EQ(surfaces.size(), kMostSurfaces);
   float share = 0;

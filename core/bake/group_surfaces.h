@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/bake/group.h"
+#include "core/bake/surface_groups.h"
+#include "core/bake/texel_quadrature.h"
+#include "core/base/aligned_vector.h"
+
+namespace rimlight {
+
+/// A set of a group's lanes: bit i for lane i.
+using LaneSet = std::uint64_t;
+static_assert(kGroupLanes == 64);
+constexpr LaneSet lane_bit(std::size_t lane) { return LaneSet{1} << lane; }
+
+/// Calls visit(lane) for the lanes of a set, from the first to the last.
+template <typename Visit>
+void for_each_lane(LaneSet lanes, const Visit& visit) {
+  for (; lanes != 0; lanes &= lanes - 1) visit(static_cast<std::size_t>(std::countr_zero(lanes)));
+}
+
+/// One number for each lane, ready for vector code.
+template <typename T>
+struct alignas(64) LaneArray {
+  std::array<T, kGroupLanes> lane{};
+  T& operator[](std::size_t i) { return lane[i]; }
+  T operator[](std::size_t i) const { return lane[i]; }
+  const T* data() const { return lane.data(); }
+};
+/// [x, y, z][lane].
+using LaneVectors = std::array<LaneArray<float>, 3>;
+
+/// Layer l holds the l-th surface of each lane that has so many; lanes without one stay blank.
+struct SurfaceLayer {
+  LaneSet lanes = 0;  // that have a surface
+  /// Four hits spread over the surface stand for all when its response is evaluated, one for each
+  /// quarter of a texel.
+  std::array<LaneVectors, kQuarters> shading_normal;
+  std::array<LaneVectors, kQuarters> geometric_normal;
+  /// Lambert surfaces: share · albedo / π by channel. The others: 0.
+  std::array<LaneArray<float>, 3> lambert;
+  /// The others: their places in GroupSurfaces::lobes.
+  LaneSet lobe_lanes = 0;
+  LaneArray<std::int32_t> lobe;
+  /// A surface's hits: hit_count of them (blank: 1) from first_hit of GroupSurfaces::hits. A walk
+  /// in steps of hit_step, modulo hit_count, visits far ones first, and all in the end.
+  LaneArray<std::int32_t> first_hit, hit_count, hit_step;
+  /// Of its random numbers: 64 bits.
+  LaneArray<std::int32_t> seed_low, seed_high;
+};
+
+/// A surface whose BRDF depends on both directions.
+struct LobeSurface {
+  Brdf brdf;
+  float share = 0;
+  // Of the four hits that stand for all.
+  std::array<Frame<float>, kQuarters> frame;
+  std::array<Vec3f, kQuarters> geometric_normal;
+  std::array<Vec3f, kQuarters> outgoing;  // local to the frame
+};
+
+/// What rays to the sky need of the hits of all surfaces: one array a component.
+class HitTable {
+ public:
+  static constexpr std::size_t kComponents = 10;
+  // Components: position x, y, z, offset, geometric normal x, y, z, shading normal x, y, z.
+
+  void clear() { count_ = 0; }
+  /// Room for `count` hits and a blank one.
+  void reserve(std::size_t count);
+  void add(const SurfaceHit& hit);
+  std::size_t size() const { return count_; }
+  const float* component(std::size_t i) const { return values_.data() + i * room_; }
+
+ private:
+  AlignedVector<float> values_;  // [component][room]
+  std::size_t room_ = 0;
+  std::size_t count_ = 0;
+};
+
+/// The surfaces of a group's pixels as vector code reads them. Reused from group to group, so that
+/// it stops allocating. One thread at a time.
+class GroupSurfaces {
+ public:
+  /// Finds all surfaces of `samples`.
+  void assign(const GroupSamples& samples, std::uint64_t seed);
+
+  std::size_t layer_count() const { return layer_count_; }
+  const SurfaceLayer& layer(std::size_t i) const { return layers_[i]; }
+  const std::vector<LobeSurface>& lobes() const { return lobes_; }
+  const HitTable& hits() const { return hits_; }
+  /// Of the pixels that have any.
+  float surfaces_per_pixel() const;
+
+ private:
+  void add(const PixelSurface& surface, std::size_t lane, std::size_t layer, std::uint64_t seed);
+
+  std::array<SurfaceLayer, kMostSurfaces> layers_;
+  std::size_t layer_count_ = 0;
+  std::vector<LobeSurface> lobes_;
+  HitTable hits_;
+  PixelSurfaces found_;
+};
+
+}  // namespace rimlight
