@@ -77,6 +77,7 @@ void measure(const PlanRequest& request, Alternative alternative, const GainOf& 
 /// Columns that alone cost more than there is are no candidates: else they would stand in the way
 /// of all behind them, for ever.
 void leave_out_unaffordable(const ColumnCosts& costs, std::vector<std::uint32_t>& ranks) {
+  if (!costs.are_bytes() && costs.budget() > 0) return;
   for (std::size_t i = 0; i < ranks.size(); ++i) {
     if (costs.of(i) > costs.budget()) ranks[i] = 0;
   }
@@ -118,8 +119,8 @@ void measure_sizes(const PlanRequest& request, Selection selection, Alternative 
     measure(request, alternative, by_norm, gains);
   } else {
     const auto by_band = [&](int band) {
-      const auto weight = static_cast<float>(
-          selection == Selection::area ? area_weight(request.basis, band) : 1.0);
+      const auto weight =
+          static_cast<float>(selection == Selection::area ? area_weight(request.basis, band) : 1.0);
       return [weight](std::size_t, float x, float y, float z) {
         return weight * (std::abs(x) + std::abs(y) + std::abs(z));
       };

@@ -37,9 +37,9 @@ class ColumnCosts {
 /// the sum of the gains of the columns that are not applied.
 struct ColumnGains {
   std::vector<float> gain;  // [columns], finite, ≥ 0
-  /// [columns]: the larger goes first; bits of a float, so that integers order as it does. 0: not to
-  /// be applied, since its delta is zero, or it costs more than the whole budget. 1: applied last,
-  /// since it changes the light and nothing that is measured.
+  /// [columns]: the larger goes first; bits of a float, so that integers order as it does. 0: not
+  /// to be applied, since its delta is zero, or it costs more than the whole budget. 1: applied
+  /// last, since it changes the light and nothing that is measured.
   std::vector<std::uint32_t> rank;
 
   /// Σ of gains over a band.

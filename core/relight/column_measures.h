@@ -9,7 +9,7 @@ namespace rimlight {
 
 /// What policies weigh the columns of M by.
 struct ColumnMeasures {
-  std::vector<float> norm_squared;   // [3][columns]: Σ M² over receivers
+  std::vector<float> norm_squared;  // [3][columns]: Σ M² over receivers
   std::vector<std::uint32_t> bytes;  // [columns]: of its blocks, indices and values, at most 2³²−1
 };
 

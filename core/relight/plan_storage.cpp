@@ -25,8 +25,7 @@ void plan_best_columns(const PlanRequest& request, PlanWorkspace::Storage& stora
   const ColumnCosts costs(request);
   storage.ranked.clear();
   for (int band = 0; band < request.basis.band_count(); ++band) {
-    const Alternative alternative =
-        alternative_of(storage.actions[static_cast<std::size_t>(band)]);
+    const Alternative alternative = alternative_of(storage.actions[static_cast<std::size_t>(band)]);
     storage.ranked.add(request.basis, band, alternative, storage.gains_of(alternative), costs);
   }
   storage.ranked.sort();

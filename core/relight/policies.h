@@ -19,7 +19,7 @@ class LinearPolicy final : public UpdatePolicy {
 /// from zero, and the coefficients of the target that are largest by weight are applied.
 class NwaPolicy final : public UpdatePolicy {
  public:
-  explicit NwaPolicy(Selection selection) : selection_(selection) {}
+  explicit NwaPolicy(Selection selection = Selection::area) : selection_(selection) {}
 
  private:
   void plan_checked(const PlanRequest& request, PlanWorkspace::Storage& storage,
@@ -38,7 +38,7 @@ class NwaPolicy final : public UpdatePolicy {
 /// counts as a reset. (Start from an exact frame for the former.)
 class BiPolicy final : public UpdatePolicy {
  public:
-  explicit BiPolicy(Selection selection) : selection_(selection) {}
+  explicit BiPolicy(Selection selection = Selection::area) : selection_(selection) {}
 
  private:
   void plan_checked(const PlanRequest& request, PlanWorkspace::Storage& storage,
@@ -68,7 +68,7 @@ class BiPolicy final : public UpdatePolicy {
 /// Time on one core of 2.6 GHz, 24,576 columns, budgets of 30 and 3,000: see docs/results.
 class PbiPolicy final : public UpdatePolicy {
  public:
-  PbiPolicy(BandTest band_test, Selection selection)
+  explicit PbiPolicy(BandTest band_test = BandTest::simple, Selection selection = Selection::area)
       : band_test_(band_test), selection_(selection) {}
 
  private:
@@ -81,7 +81,8 @@ class PbiPolicy final : public UpdatePolicy {
 
 /// What lowers the error of the image most for what it costs. The image's expected squared error is
 ///
-///     E = Σ over columns j, channels c of (r_jc · ‖M_jc‖)²        r: target − held after the update
+///     E = Σ over columns j, channels c of (r_jc · ‖M_jc‖)²        r: target − held after the
+///     update
 ///
 /// exact where columns of M are orthogonal, and right on average where the signs of r are random.
 /// Applying column j takes its terms out of E: that is its benefit. Choosing columns under a budget

@@ -32,7 +32,7 @@ struct PlanRequest {
   // What is known of M's columns; empty where it is not.
   std::span<const float> column_norm_squared = {};   // [3][columns]: Σ M² over receivers, ≥ 0
   std::span<const std::uint32_t> column_bytes = {};  // [columns]: what applying a column reads
-  std::size_t band_image_bytes = 0;  // what clearing one band's image B_b writes
+  std::size_t band_image_bytes = 0;                  // what clearing one band's image B_b writes
 };
 
 /// The weight of a coefficient of a band when sizes are compared across bands: √area, the area

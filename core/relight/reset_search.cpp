@@ -23,17 +23,16 @@ const ResetAnswer& ResetSearch::run(const ResetQuestion& question) {
   list_options(question);
   const auto bands = options_.size();
   answer_.actions.assign(bands, BandAction::increment);
-  Outcome best{std::numeric_limits<double>::infinity(), 0};
-  bool found = false;
   chosen_.assign(bands, 0);
+  Outcome best{least_reset_error(question), std::numeric_limits<std::uint64_t>::max()};
   do {
     const Combination combination = combine();
     if (combination.cost > question.request.budget.amount) continue;
+    if (combination.error > best.error) continue;  // cleared too much already
     const Outcome outcome = this->outcome(question, combination);
-    const bool better = outcome.error < best.error ||
-                        (outcome.error == best.error && outcome.cost < best.cost);
-    if (found && !better) continue;
-    found = true;
+    const bool better =
+        outcome.error < best.error || (outcome.error == best.error && outcome.cost < best.cost);
+    if (!better) continue;
     best = outcome;
     answer_.lists = combination.set;
     answer_.columns_budget = question.request.budget.amount - combination.cost;
@@ -114,6 +113,15 @@ ResetSearch::Combination ResetSearch::combine() const {
     result.set |= ListSet{1} << option.list;
   }
   return result;
+}
+
+/// The error with as few resets as can be: every affordable answer is at least as good, and most
+/// combinations that clear a coarse band need no closer look.
+double ResetSearch::least_reset_error(const ResetQuestion& question) {
+  for (std::size_t b = 0; b < options_.size(); ++b) chosen_[b] = option_count_[b] - 1;
+  const double error = outcome(question, combine()).error;
+  std::ranges::fill(chosen_, 0);
+  return error;
 }
 
 /// Counts in digits of as many values as each band has options, the first band's slowest.

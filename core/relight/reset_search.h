@@ -12,15 +12,15 @@ namespace rimlight {
 /// What a search for the bands to reset is given.
 struct ResetQuestion {
   const PlanRequest& request;
-  const RankedColumns& ranked;  // both lists of each band, sorted
+  const RankedColumns& ranked;              // both lists of each band, sorted
   const std::array<ColumnGains, 2>& gains;  // [Alternative]
-  std::uint64_t reset_cost;     // of a band that holds something
+  std::uint64_t reset_cost;                 // of a band that holds something
 };
 
 /// What it answers.
 struct ResetAnswer {
-  std::vector<BandAction> actions;  // [bands], increment or reset
-  ListSet lists = 0;                // to take columns from; a band without a list is cleared
+  std::vector<BandAction> actions;   // [bands], increment or reset
+  ListSet lists = 0;                 // to take columns from; a band without a list is cleared
   std::uint64_t columns_budget = 0;  // what the resets leave of the budget
 };
 
@@ -71,6 +71,7 @@ class ResetSearch {
   void list_options(const ResetQuestion& question);
   Combination combine() const;
   bool next_combination();
+  double least_reset_error(const ResetQuestion& question);
   std::uint64_t cost_before(const Combination& combination, std::size_t block) const;
   Outcome outcome(const ResetQuestion& question, const Combination& combination) const;
 

@@ -72,8 +72,13 @@ void plan(benchmark::State& state, const std::string& name, Budget::Unit unit) {
   const Columns columns(haar);
   const auto policy = make_policy(parse_policy(name, "bench"));
   constexpr std::size_t kImageBytes = 12 * 512 * 512;
-  const PlanRequest request{haar,          target, held, {unit, static_cast<std::size_t>(state.range(1))},
-                            columns.norm_squared, columns.bytes, kImageBytes};
+  const PlanRequest request{haar,
+                            target,
+                            held,
+                            {unit, static_cast<std::size_t>(state.range(1))},
+                            columns.norm_squared,
+                            columns.bytes,
+                            kImageBytes};
   PlanWorkspace workspace;
   UpdatePlan update;
   const auto start = Clock::now();
@@ -99,8 +104,7 @@ void register_benchmarks() {
         ->UseRealTime();
   }
   benchmark::RegisterBenchmark(
-      "benefit/bytes",
-      [](benchmark::State& state) { plan(state, "benefit", Budget::Unit::bytes); })
+      "benefit/bytes", [](benchmark::State& state) { plan(state, "benefit", Budget::Unit::bytes); })
       ->ArgsProduct({{32, 64}, {4 << 20, 32 << 20}})
       ->Unit(benchmark::kMicrosecond)
       ->UseRealTime();
