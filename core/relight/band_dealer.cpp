@@ -17,8 +17,7 @@ Alternative BandDealer::Band::best(std::size_t n) const {
   const Hand& reset = hands[static_cast<std::size_t>(Alternative::reset)];
   const double kept = increment.error_with(n), fresh = reset.error_with(n);
   if (kept != fresh) return kept < fresh ? Alternative::increment : Alternative::reset;
-  const bool done = n >= increment.size() && n < reset.size();
-  return done ? Alternative::increment : Alternative::reset;
+  return holds_nothing ? Alternative::reset : Alternative::increment;
 }
 
 double BandDealer::Band::error_with(std::size_t n) const {
@@ -39,6 +38,7 @@ void BandDealer::pick_up(const PlanRequest& request, const RankedColumns& ranked
   for (std::size_t b = 0; b < bands_.size(); ++b) {
     bands_[b].dealt = 0;
     bands_[b].open = true;
+    bands_[b].holds_nothing = holds_nothing(request, static_cast<int>(b));
     for (Hand& hand : bands_[b].hands) hand.clear(request.basis, static_cast<int>(b));
   }
   for (const RankedColumns::Entry& entry : ranked.entries()) {

@@ -36,6 +36,7 @@ class BandDealer {
     std::array<Hand, 2> hands;  // [Alternative]
     std::size_t dealt = 0;
     bool open = true;
+    bool holds_nothing = false;
 
     Alternative best(std::size_t n) const;
     double error_with(std::size_t n) const;

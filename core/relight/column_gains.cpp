@@ -36,10 +36,9 @@ float tamed(float gain) {
   return gain > 0 ? gain : 0;
 }
 
-/// The lowest rank for what changes the light but gains nothing.
 std::uint32_t rank_of(float gain, bool changes) {
   const auto bits = std::bit_cast<std::uint32_t>(gain);
-  return bits + static_cast<std::uint32_t>(changes & (bits == 0));
+  return bits + ColumnGains::kLastRank * static_cast<std::uint32_t>(changes & (bits == 0));
 }
 
 /// gain[i] = gain_of(band, i, deltas), band by band, and ranks by gain. One plain loop over planar
@@ -103,6 +102,16 @@ double ColumnGains::of_band(const CubeHaar& basis, int band) const {
   }
   for (; i < end; ++i) sums[0] += double{gain[i]};
   return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
+bool holds_nothing(const PlanRequest& request, int band) {
+  const std::size_t begin = request.basis.band_begin(band);
+  const std::size_t end = request.basis.band_begin(band + 1);
+  for (int c = 0; c < 3; ++c) {
+    const auto held = request.held.channel(c).subspan(begin, end - begin);
+    if (std::ranges::any_of(held, [](float value) { return value != 0; })) return false;
+  }
+  return true;
 }
 
 void measure_sizes(const PlanRequest& request, Selection selection, Alternative alternative,

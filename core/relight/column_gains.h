@@ -36,15 +36,20 @@ class ColumnCosts {
 /// What applying each column takes off the error when its band is treated in one way. The error is
 /// the sum of the gains of the columns that are not applied.
 struct ColumnGains {
+  /// The rank of what changes the light and nothing that is measured: applied after all else.
+  static constexpr std::uint32_t kLastRank = 1;
+
   std::vector<float> gain;  // [columns], finite, ≥ 0
   /// [columns]: the larger goes first; bits of a float, so that integers order as it does. 0: not
-  /// to be applied, since its delta is zero, or it costs more than the whole budget. 1: applied
-  /// last, since it changes the light and nothing that is measured.
+  /// to be applied, since its delta is zero, or it costs more than the whole budget.
   std::vector<std::uint32_t> rank;
 
   /// Σ of gains over a band.
   double of_band(const CubeHaar& basis, int band) const;
 };
+
+/// Whether the held light is zero all over a band, so that its image is known to be zero.
+bool holds_nothing(const PlanRequest& request, int band);
 
 /// Gains in the L1 norm: weight of the selection · |delta|, channels summed; ranked as they are.
 /// By transport, each channel has its own weight, the norm of its column.

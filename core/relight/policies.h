@@ -50,22 +50,23 @@ class BiPolicy final : public UpdatePolicy {
 /// Per-band incremental (Overbeck 2006, chapter 6): a band is incremented by the largest of
 /// target − held, or reset and given the largest of the target, all by weight, over all bands
 /// together. The error that the tests compare is the weighted L1 norm of what the light then lacks,
-/// in the measure of the selection. Where a band gains nothing from being kept it is reset: so the
-/// first frame resets all.
+/// in the measure of the selection. A band that holds nothing counts as reset: so the first frame
+/// resets all.
 ///
-///   simple      §6.2.2: incremented when ‖target − held‖ < ‖target‖ over the band. The paper's
-///               norm has no weight there: within a band it is the same for area
+///   simple      §6.2.2: incremented when ‖target − held‖ < ‖target‖ over the band, or when nothing
+///               is wrong with it. The paper's norm has no weight there: within a band, it is the
+///               same for area
 ///   dealer      §6.2.3: columns are dealt out one by one, each to the band whose error falls the
 ///               most. A band's error with n columns is the smaller of its two alternatives' with
 ///               their n largest, so that each new column may turn the band over. The paper says no
-///               more; ours: of equal falls the coarser band's goes first; of equal alternatives
-///               the one that has no column to come, then the reset. Greedy, since the smaller of
-///               two convex curves is not convex
+///               more; ours: of equal falls the coarser band's goes first, of equal alternatives
+///               the band is kept. Greedy, since the smaller of two convex curves is not convex
 ///   exhaustive  §6.2.1: the best of all 2^bands combinations, each with the best columns for it;
-///               of equals the one that costs least, then that which resets the first band where
-///               they differ. No other test leaves less error, in this one frame
+///               of equals the cheapest, then the one that keeps the first band where they differ.
+///               No other test leaves less error, in this one frame
 ///
-/// Time on one core of 2.6 GHz, 24,576 columns, budgets of 30 and 3,000: see docs/results.
+/// The paper calls the last too slow to be practical; with sums along one ranking of all columns it
+/// costs little more than the first: bench/core/relight/policy_bench.cpp, docs/results.
 class PbiPolicy final : public UpdatePolicy {
  public:
   explicit PbiPolicy(BandTest band_test = BandTest::simple, Selection selection = Selection::area)
@@ -99,7 +100,7 @@ class PbiPolicy final : public UpdatePolicy {
 /// A budget in coefficients does not count resets, as the papers do not.
 ///
 /// So E is never above that of the better of incrementing and resetting all bands; of equals the
-/// cheaper is taken, then that which resets. Columns of zero norm come last: they change the light
+/// cheaper is taken, then that which keeps. Columns of zero norm come last: they change the light
 /// that is held, and no pixel.
 class BenefitPolicy final : public UpdatePolicy {
   void plan_checked(const PlanRequest& request, PlanWorkspace::Storage& storage,

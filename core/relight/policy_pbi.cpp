@@ -10,7 +10,9 @@ void plan_simply(const PlanRequest& request, PlanWorkspace::Storage& storage, Up
   for (int band = 0; band < request.basis.band_count(); ++band) {
     const double kept = storage.gains_of(Alternative::increment).of_band(request.basis, band);
     const double fresh = storage.gains_of(Alternative::reset).of_band(request.basis, band);
-    storage.actions.push_back(kept < fresh ? BandAction::increment : BandAction::reset);
+    // Where nothing is wrong that is measured, there is nothing to reset for.
+    const bool keeps = kept > 0 ? kept < fresh : !holds_nothing(request, band);
+    storage.actions.push_back(keeps ? BandAction::increment : BandAction::reset);
   }
   plan_best_columns(request, storage, plan);
 }

@@ -6,14 +6,10 @@
 namespace rimlight {
 namespace {
 
-bool holds_nothing(const PlanRequest& request, int band) {
-  const std::size_t begin = request.basis.band_begin(band);
-  const std::size_t end = request.basis.band_begin(band + 1);
-  for (int c = 0; c < 3; ++c) {
-    const auto held = request.held.channel(c).subspan(begin, end - begin);
-    if (std::ranges::any_of(held, [](float value) { return value != 0; })) return false;
-  }
-  return true;
+/// What a column adds to the costs that combinations are compared by: nothing when it mends nothing
+/// that is measured, since it comes last anyway and no band is reset to avoid it.
+std::uint64_t cost_of(const RankedColumns::Entry& entry, const ColumnCosts& costs) {
+  return entry.rank() > ColumnGains::kLastRank ? costs.of(entry.column()) : 0;
 }
 
 }  // namespace
@@ -24,7 +20,7 @@ const ResetAnswer& ResetSearch::run(const ResetQuestion& question) {
   const auto bands = options_.size();
   answer_.actions.assign(bands, BandAction::increment);
   chosen_.assign(bands, 0);
-  Outcome best{least_reset_error(question), std::numeric_limits<std::uint64_t>::max()};
+  Outcome best{std::numeric_limits<double>::infinity(), 0};  // the first is affordable, and better
   do {
     const Combination combination = combine();
     if (combination.cost > question.request.budget.amount) continue;
@@ -58,7 +54,7 @@ void ResetSearch::sum_blocks(const ResetQuestion& question) {
     }
     for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, entries.size()); ++i) {
       here[lists_ + static_cast<std::size_t>(entries[i].list())].cost_before +=
-          costs.of(entries[i].column());
+          cost_of(entries[i], costs);
     }
   }
   for (int band = 0; band < bands; ++band) {
@@ -92,13 +88,12 @@ void ResetSearch::list_options(const ResetQuestion& question) {
     const int increments = RankedColumns::list_of(band, Alternative::increment);
     const int resets = RankedColumns::list_of(band, Alternative::reset);
     const bool nothing = holds_nothing(question.request, band);
+    if (!nothing) add({increments, BandAction::increment, 0, 0});
     add({resets, BandAction::reset, nothing ? 0 : question.reset_cost, 0});
-    if (nothing) continue;
-    if (question.reset_cost > 0) {
+    if (!nothing && question.reset_cost > 0) {
       const double all = sums_[static_cast<std::size_t>(resets)].gain_behind;
       add({kNoList, BandAction::reset, 0, all});
     }
-    add({increments, BandAction::increment, 0, 0});
   }
 }
 
@@ -113,15 +108,6 @@ ResetSearch::Combination ResetSearch::combine() const {
     result.set |= ListSet{1} << option.list;
   }
   return result;
-}
-
-/// The error with as few resets as can be: every affordable answer is at least as good, and most
-/// combinations that clear a coarse band need no closer look.
-double ResetSearch::least_reset_error(const ResetQuestion& question) {
-  for (std::size_t b = 0; b < options_.size(); ++b) chosen_[b] = option_count_[b] - 1;
-  const double error = outcome(question, combine()).error;
-  std::ranges::fill(chosen_, 0);
-  return error;
 }
 
 /// Counts in digits of as many values as each band has options, the first band's slowest.
@@ -160,7 +146,7 @@ ResetSearch::Outcome ResetSearch::outcome(const ResetQuestion& question,
     const auto list = static_cast<std::size_t>(entries[i].list());
     if ((combination.set >> list & 1) == 0) continue;
     const std::size_t column = entries[i].column();
-    if (!walk.done() && walk.takes(costs.of(column))) continue;
+    if (!walk.done() && walk.takes(cost_of(entries[i], costs))) continue;
     error += double{question.gains[list % 2].gain[column]};
   }
   const std::size_t behind = (i + kBlock - 1) / kBlock;

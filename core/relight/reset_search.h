@@ -28,18 +28,19 @@ struct ResetAnswer {
 /// best columns have spent the budget. A band is incremented; reset; or, where a reset costs
 /// something, cleared: reset without columns, which costs nothing. A band that holds nothing is
 /// reset for nothing. Of equal errors the cheaper combination is taken, of equal costs the one that
-/// resets the first band where they differ.
+/// keeps the first band where they differ.
 ///
 /// The columns of all lists are in one order already. Sums of costs and gains for each list, before
 /// and behind every 64th column, find by bisection where a combination's budget ends, and a walk of
 /// some columns from there gives its error: it is the plan's own, passed-over columns included.
-/// 2^bands or 3^bands combinations take about 0.1 µs each.
+/// 2^bands or 3^bands combinations take some tenths of a microsecond each, and those that clear too
+/// much nearly nothing.
 class ResetSearch {
  public:
   const ResetAnswer& run(const ResetQuestion& question);
 
  private:
-  /// One way to treat a band.
+  /// One way to treat a band; those that keep more come first.
   struct Option {
     int list;  // kNoList when cleared
     BandAction action;
@@ -71,7 +72,6 @@ class ResetSearch {
   void list_options(const ResetQuestion& question);
   Combination combine() const;
   bool next_combination();
-  double least_reset_error(const ResetQuestion& question);
   std::uint64_t cost_before(const Combination& combination, std::size_t block) const;
   Outcome outcome(const ResetQuestion& question, const Combination& combination) const;
 

@@ -78,6 +78,14 @@ TEST(LinearPolicy, AppliesTheFirstColumnsAfresh) {
   }
 }
 
+TEST(LinearPolicy, InBytesEndsAtTheFirstColumnThatDoesNotFit) {
+  PolicyCase problem({.seed = 5, .zero_share = 0});
+  problem.bytes[7] = 1000;
+  problem.bytes[8] = 1;
+  const UpdatePlan plan = plan_of("linear", problem.request(Budget::bytes(900)));
+  EXPECT_EQ(plan.columns.size(), 7u);
+}
+
 TEST(NwaPolicy, ResetsAllBandsAndTakesTheLargestByWeight) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     const PolicyCase problem({.seed = seed, .quantum = seed % 2 == 0 ? 0.25f : 1.0f / 64});

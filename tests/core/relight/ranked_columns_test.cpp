@@ -38,16 +38,18 @@ struct Ranked {
 };
 
 TEST(RankedColumns, EntriesComeByRankThenListThenIndex) {
-  const Ranked ranked({.size = 16, .quantum = 0.25f}, Budget::coefficients(2000));
-  const auto entries = ranked.columns.entries();
-  ASSERT_GT(entries.size(), 1000u);
   int ties = 0;
-  for (std::size_t i = 1; i < entries.size(); ++i) {
-    const auto& a = entries[i - 1];
-    const auto& b = entries[i];
-    ASSERT_LT(std::tuple(-std::int64_t{a.rank()}, a.list(), a.column()),
-              std::tuple(-std::int64_t{b.rank()}, b.list(), b.column()));
-    ties += a.rank() == b.rank();
+  for (const float quantum : {0.0f, 0.25f}) {
+    const Ranked ranked({.size = 16, .quantum = quantum}, Budget::coefficients(2000));
+    const auto entries = ranked.columns.entries();
+    ASSERT_GT(entries.size(), 1000u);
+    for (std::size_t i = 1; i < entries.size(); ++i) {
+      const auto& a = entries[i - 1];
+      const auto& b = entries[i];
+      ASSERT_LT(std::tuple(-std::int64_t{a.rank()}, a.list(), a.column()),
+                std::tuple(-std::int64_t{b.rank()}, b.list(), b.column()));
+      ties += a.rank() == b.rank();
+    }
   }
   EXPECT_GT(ties, 500);
 }

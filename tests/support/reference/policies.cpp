@@ -59,6 +59,14 @@ double error_of_band(const PlanRequest& request, std::size_t band, bool reset,
   return error;
 }
 
+/// How many of its columns mend something that is measured.
+std::ptrdiff_t mending_columns(const PlanRequest& request, const Choice& choice,
+                               const Measure& measure) {
+  return std::ranges::count_if(choice.columns, [&](std::size_t i) {
+    return measure(i, delta_of(request, i, resets(request, choice.reset, i))) > 0;
+  });
+}
+
 /// One band's better alternative with `count` columns.
 struct Hand {
   double error = 0;
@@ -79,7 +87,7 @@ Hand best_hand(const PlanRequest& request, std::size_t band, std::size_t count,
   };
   const Hand kept = hand(false), fresh = hand(true);
   if (kept.error != fresh.error) return kept.error < fresh.error ? kept : fresh;
-  return kept.ends && !fresh.ends ? kept : fresh;
+  return holds_something(request, band) ? kept : fresh;
 }
 
 }  // namespace
@@ -182,13 +190,15 @@ Choice exhaustive(const PlanRequest& request, const Measure& measure) {
   Choice best;
   best.error = std::numeric_limits<double>::infinity();
   const std::size_t bands = band_count(request);
-  for (unsigned keeps = 0; keeps < 1u << bands;
-       ++keeps) {  // resets first, the first band's longest
+  for (unsigned resets_of = 0; resets_of < 1u << bands; ++resets_of) {  // the first band's slowest
     std::vector<bool> reset(bands);
-    for (std::size_t b = 0; b < bands; ++b) reset[b] = (keeps >> (bands - 1 - b) & 1) == 0;
+    for (std::size_t b = 0; b < bands; ++b) {
+      reset[b] = (resets_of >> (bands - 1 - b) & 1) != 0 || !holds_something(request, b);
+    }
     const Choice choice = best_columns(request, reset, measure, Order::by_measure);
     const bool better = choice.error < best.error ||
-                        (choice.error == best.error && choice.columns.size() < best.columns.size());
+                        (choice.error == best.error && mending_columns(request, choice, measure) <
+                                                           mending_columns(request, best, measure));
     if (better) best = choice;
   }
   return best;
@@ -224,22 +234,29 @@ Choice dealer(const PlanRequest& request, const Measure& measure) {
 }
 
 double least_error(const PlanRequest& request, const Measure& measure) {
-  std::vector<std::size_t> active;
+  std::vector<std::size_t> active;  // the others add nothing
   for (std::size_t i = 0; i < request.target.count(); ++i) {
     if (request.target.at(i) != Vec3f{} || request.held.at(i) != Vec3f{}) active.push_back(i);
   }
   double least = std::numeric_limits<double>::infinity();
-  for (unsigned resets = 0; resets < 1u << band_count(request); ++resets) {
+  for (unsigned resets_of = 0; resets_of < 1u << band_count(request); ++resets_of) {
+    std::vector<bool> reset;
+    for (std::size_t b = 0; b < band_count(request); ++b) {
+      reset.push_back((resets_of >> b & 1) != 0);
+    }
     for (unsigned subset = 0; subset < 1u << active.size(); ++subset) {
-      Choice choice;
-      for (std::size_t b = 0; b < band_count(request); ++b) {
-        choice.reset.push_back((resets >> b & 1) != 0);
-      }
+      Choice choice{reset, {}, 0};
       for (std::size_t k = 0; k < active.size(); ++k) {
-        if ((subset >> k & 1) != 0) choice.columns.push_back(active[k]);
+        const std::size_t i = active[k];
+        if ((subset >> k & 1) != 0) {
+          choice.columns.push_back(i);
+        } else {
+          choice.error += measure(i, delta_of(request, i, resets(request, reset, i)));
+        }
       }
-      if (cost_of(request, choice) > request.budget.amount) continue;
-      least = std::min(least, error_of(request, choice, measure));
+      if (choice.error < least && cost_of(request, choice) <= request.budget.amount) {
+        least = choice.error;
+      }
     }
   }
   return least;
