@@ -67,6 +67,29 @@ void Relighter::apply(const UpdatePlan& plan, const CubeLight& target) {
     parallel_for(tile_count(), std::cref(update));
   }
   move_held(plan, target);
+  rebuild_tiles(plan.columns.size());
+}
+
+void Relighter::rebuild_tiles(std::size_t columns) {
+  // One round through all tiles for every kMostAdditions columns added.
+  rebuild_credit_ += columns * tile_count();
+  tiles_rebuilt_ = std::min(rebuild_credit_ / kMostAdditions, tile_count());
+  if (tiles_rebuilt_ == 0) return;
+  rebuild_credit_ -= tiles_rebuilt_ * kMostAdditions;
+  plan_exact(held_);
+  const auto rebuild = [this](std::size_t i) { rebuild_tile((next_rebuilt_ + i) % tile_count()); };
+  parallel_for(tiles_rebuilt_, std::cref(rebuild));
+  next_rebuilt_ = (next_rebuilt_ + tiles_rebuilt_) % tile_count();
+}
+
+void Relighter::rebuild_tile(std::size_t tile) {
+  for (std::size_t b = 0; b < images_.size(); ++b) {
+    const BandUpdate& update = exact_plan_.bands[b];
+    float* const held = images_[b].tile(tile);
+    if (!zero_[b]) std::fill_n(held, kTileFloats, 0.0f);
+    add_columns(transport_, tile,
+                std::span(exact_plan_.columns).subspan(update.first, update.count), held);
+  }
 }
 
 void Relighter::plan_exact(const CubeLight& target) {

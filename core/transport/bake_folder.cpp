@@ -42,6 +42,7 @@ Bake::Bake(const std::filesystem::path& folder) : folder_(folder) {
   const std::size_t columns = cube::texel_count(manifest_.cube_size);
   transport_ = read_transport(file(kTransportFile), path(kTransportFile),
                               manifest_.pixels.tile_count(), columns);
+  column_bytes_ = count_column_bytes(transport_);
   coverage_ = read_coverage(file(kPixelsFile), path(kPixelsFile), manifest_.pixels);
   reflectance_ = read_reflectance(file(kPixelsFile), path(kPixelsFile), manifest_.pixels);
   sketch_ = read_sketch(file(kSketchFile), path(kSketchFile), columns);

@@ -115,6 +115,8 @@ class Bake {
   /// The reflectance that restore_radiance() takes; padded receivers have 0.
   const ReceiverValues& reflectance() const { return reflectance_; }
   const Sketch& sketch() const { return sketch_; }
+  /// count_column_bytes() of the transport.
+  const std::vector<std::uint32_t>& column_bytes() const { return column_bytes_; }
   const std::vector<BakedEnvironment>& environments() const { return environments_; }
   /// Names and bytes of the files on disk, for inspect.
   std::vector<std::pair<std::string, std::uint64_t>> files() const { return file_sizes_; }
@@ -131,6 +133,7 @@ class Bake {
   std::vector<std::pair<std::string, std::uint64_t>> file_sizes_;
   TransportView transport_;
   std::vector<float> coverage_;
+  std::vector<std::uint32_t> column_bytes_;
   ReceiverValues reflectance_;
   Sketch sketch_;
   std::vector<BakedEnvironment> environments_;

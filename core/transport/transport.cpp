@@ -123,4 +123,19 @@ std::size_t TransportView::count_blocks(std::size_t tile) const {
   return blocks;
 }
 
+std::vector<std::uint32_t> count_column_bytes(const TransportView& transport) {
+  std::vector<std::uint64_t> bytes(transport.column_count());
+  for (std::size_t tile = 0; tile < transport.tile_count(); ++tile) {
+    for (std::size_t column = 0; column < bytes.size(); ++column) {
+      bytes[column] += transport.run(tile, column).words().size_bytes();
+    }
+  }
+  const std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> result(bytes.size());
+  std::ranges::transform(bytes, result.begin(), [kMost](std::uint64_t count) {
+    return static_cast<std::uint32_t>(std::min(count, kMost));
+  });
+  return result;
+}
+
 }  // namespace rimlight

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/transport/column_run.h"
 #include "core/transport/receivers.h"
@@ -53,5 +54,8 @@ class TransportView {
  private:
   Arrays arrays_;
 };
+
+/// What adding a column reads: bytes of its runs in all tiles, at most 2³² − 1. [columns].
+std::vector<std::uint32_t> count_column_bytes(const TransportView& transport);
 
 }  // namespace rimlight
