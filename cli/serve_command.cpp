@@ -10,6 +10,8 @@
 
 #include "cli/command.h"
 #include "cli/serve_config.h"
+#include "core/base/error.h"
+#include "core/relight/policy_settings.h"
 #include "core/transport/bake_folder.h"
 #include "server/schedule/render_queue.h"
 #include "server/session/baked_scene.h"
@@ -24,8 +26,19 @@ struct ServeOptions {
   std::optional<std::string> host;
   std::optional<std::uint16_t> port;
   std::optional<std::size_t> coefficients;
+  std::string policy;
   bool json = false;
 };
+
+/// What is wrong with the text of a policy; empty when nothing is.
+std::string policy_fault(const std::string& text) {
+  try {
+    parse_policy(text, "--policy");
+    return {};
+  } catch (const Error& error) {
+    return "found " + error.found() + ", expected " + error.expected();
+  }
+}
 
 /// The configuration file, if there is one, overruled by the options.
 ServeConfig merge(const ServeOptions& options) {
@@ -35,6 +48,7 @@ ServeConfig merge(const ServeOptions& options) {
   if (options.host) config.network.host = *options.host;
   if (options.port) config.network.port = *options.port;
   if (options.coefficients) config.relight.coefficient_budget = *options.coefficients;
+  if (!options.policy.empty()) config.relight.policy = parse_policy(options.policy, "--policy");
   if (config.web.empty()) config.web = find_web_folder();
   return config;
 }
@@ -87,6 +101,12 @@ void add_serve_command(CLI::App& app, Action& chosen) {
       ->add_option("--coefficients,--session-budget", options->coefficients,
                    "Columns that a frame in motion may apply [30]")
       ->check(CLI::Range(1, 1 << 20));
+  command
+      ->add_option("--policy", options->policy,
+                   "How frames in motion are approximated: linear, nwa, bi, pbi or benefit; then, "
+                   "after colons, a band test of pbi (simple, dealer, exhaustive) and a selection "
+                   "of nwa, bi and pbi (unweighted, area, transport) [pbi]")
+      ->check(policy_fault, "POLICY");
   command->add_flag("--json", options->json, "Print {\"address\": …} when ready");
   command->callback([options, &chosen] { chosen = [options] { return serve(*options); }; });
 }

@@ -47,7 +47,7 @@ void read_sessions(const JsonReader& reader, ServeConfig& config) {
   read_whole(reader, "jpeg_quality", 1, 100, config.sessions.session.jpeg_quality);
   read_whole(reader, "coefficients", 1, kMostCoefficients, config.relight.coefficient_budget);
   if (const auto policy = reader.optional_member("policy")) {
-    config.relight.policy = policy->one_of({"nwa", "pbi"}) == 0 ? PolicyKind::nwa : PolicyKind::pbi;
+    config.relight.policy = parse_policy(policy->string(), policy->where());
   }
 }
 

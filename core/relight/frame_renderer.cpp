@@ -12,6 +12,7 @@
 #include "core/image/metrics.h"
 #include "core/light/light_rotation.h"
 #include "core/relight/background.h"
+#include "core/relight/column_measures.h"
 #include "core/relight/display.h"
 #include "core/relight/policy.h"
 #include "core/relight/prepared_environment.h"
@@ -21,11 +22,6 @@ namespace rimlight {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;  // a client's quaternion comes through decimal digits
-
-std::unique_ptr<UpdatePolicy> make_policy(PolicyKind kind) {
-  if (kind == PolicyKind::nwa) return std::make_unique<NwaPolicy>();
-  return std::make_unique<PbiPolicy>();
-}
 
 /// Milliseconds since it was made, or since the last lap.
 class Stopwatch {
@@ -55,7 +51,8 @@ struct FrameRenderer::State {
   std::shared_ptr<const Bake> bake;
   RelightSettings settings;
   CubeHaar haar;
-  std::unique_ptr<UpdatePolicy> policy;
+  std::unique_ptr<const UpdatePolicy> policy;
+  ColumnMeasures measures;  // when the policy asks for them
   Relighter relighter;
   Display display;
   std::map<std::string, BakedEnvironment> environments;
@@ -73,6 +70,7 @@ struct FrameRenderer::State {
         relighter(bake->transport(), haar),
         display(bake->manifest().pixels, bake->manifest().camera, bake->coverage()),
         target(haar.size()) {
+    if (weighs_by_transport(settings.policy)) measures = measure_columns(bake->transport());
     for (const BakedEnvironment& baked : bake->environments()) {
       environments.emplace(baked.environment->name(), baked);
     }
@@ -105,6 +103,17 @@ struct FrameRenderer::State {
       haar.forward(texels.channel(channel), target.channel(channel));
     };
     parallel_for(3, transform);
+  }
+
+  void plan_update() {
+    policy->make_plan({.basis = haar,
+                       .target = target,
+                       .held = relighter.held(),
+                       .budget = Budget::coefficients(settings.coefficient_budget),
+                       .column_norm_squared = measures.norm_squared,
+                       .column_bytes = measures.bytes,
+                       .band_image_bytes = relighter.tile_count() * kTileFloats * sizeof(float)},
+                      workspace, plan);
   }
 
   double residual() const {
@@ -204,9 +213,7 @@ FrameReport FrameRenderer::render_moving(const DesignState& state, Rgb8Image& fr
   Stopwatch watch;
   state_->find_target(light.rotator, rotation);
   report.rotate_ms = watch.lap_ms();
-  state_->policy->make_plan(
-      {state_->haar, state_->target, state_->relighter.held(), state_->settings.coefficient_budget},
-      state_->workspace, state_->plan);
+  state_->plan_update();
   state_->relighter.apply(state_->plan, state_->target);
   report.update_ms = watch.lap_ms();
   state_->show(state, rotation, frame);

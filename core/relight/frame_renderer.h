@@ -8,14 +8,13 @@
 
 #include "core/image/image.h"
 #include "core/relight/design_state.h"
+#include "core/relight/policy_settings.h"
 #include "core/transport/bake_folder.h"
 
 namespace rimlight {
 
-enum class PolicyKind { nwa, pbi };
-
 struct RelightSettings {
-  PolicyKind policy = PolicyKind::pbi;
+  PolicySettings policy;
   std::size_t coefficient_budget = 30;
   int background_size = 256;  // texels a side of the cube map of the environment behind the pixels
 };

@@ -91,6 +91,25 @@ TEST_F(Program, BadScenesEndWithOneNameTheFieldAndLeaveNothing) {
   EXPECT_EQ(run_program({"bake", path("missing.json")}).status, 1);
 }
 
+TEST_F(Program, ServeTakesEveryPolicyAndListsThemForAnyOther) {
+  const std::string missing = path("missing.bake");
+  for (const char* const policy : {"linear", "nwa", "bi:unweighted", "pbi:exhaustive", "benefit"}) {
+    const ProgramResult taken = run_program({"serve", missing, "--policy", policy});
+    EXPECT_EQ(taken.status, 1) << "it is the bake that is wrong";
+    EXPECT_THAT(taken.errors, HasSubstr("missing.bake")) << policy;
+  }
+  const ProgramResult refused = run_program({"serve", missing, "--policy", "pbi:deal"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.errors, HasSubstr("\"dealer\""));
+  write(folder_ / "server.json", R"({ "policy": "best" })");
+  const ProgramResult configured = run_program({"serve", missing, "--config", path("server.json")});
+  EXPECT_EQ(configured.status, 1);
+  EXPECT_THAT(configured.errors, HasSubstr("server.json: /policy: found \"best\""));
+  for (const char* const name : {"linear", "nwa", "bi", "pbi", "benefit"}) {
+    EXPECT_THAT(configured.errors, HasSubstr(name));
+  }
+}
+
 TEST_F(Program, BakesInspectsAndRenders) {
   bake_scene();
   const ProgramResult inspected = run_program({"inspect", path("a.bake"), "--verify", "--json"});

@@ -28,8 +28,8 @@ const test::SmallBake kSettings{.cube_size = 8, .lowest = -0.2};
 constexpr int kBackgroundSize = 32;  // small, since projecting costs by its texels
 const Quaternion kTurned = normalized(Quaternion{0.1, -0.5, 0.3, 0.8});
 
-RelightSettings settings(PolicyKind policy = PolicyKind::pbi, std::size_t budget = 30) {
-  return {policy, budget, kBackgroundSize};
+RelightSettings settings(const char* policy = "pbi", std::size_t budget = 30) {
+  return {parse_policy(policy, "test"), budget, kBackgroundSize};
 }
 
 std::shared_ptr<const Bake> small_bake() {
@@ -158,7 +158,7 @@ TEST(FrameRenderer, TheExactFrameHasTheSameBytesWhateverCameBefore) {
   FrameReport report;
   FrameRenderer first(bake, settings());
   ASSERT_TRUE(first.render_exact(last, fresh, report));
-  for (const PolicyKind policy : {PolicyKind::nwa, PolicyKind::pbi}) {
+  for (const char* const policy : {"linear", "nwa", "bi", "pbi", "benefit"}) {
     FrameRenderer renderer(bake, settings(policy, 20));
     for (int i = 0; i < 10; ++i) {
       renderer.render_moving({i % 4 == 0 ? "room" : "sky", axis_angle({0, 1, 0}, 0.2 * i), 0},
@@ -174,7 +174,7 @@ TEST(FrameRenderer, TheSameFramesHaveTheSameBytesAtAnyThreadCount) {
   std::vector<AlignedVector<std::uint8_t>> found;
   for (const int threads : {1, 2, 3}) {
     set_thread_count(threads);
-    FrameRenderer renderer(small_bake(), settings(PolicyKind::pbi, 20));
+    FrameRenderer renderer(small_bake(), settings("pbi", 20));
     Rgb8Image frame;
     AlignedVector<std::uint8_t> all;
     for (int i = 0; i < 6; ++i) {
@@ -188,8 +188,8 @@ TEST(FrameRenderer, TheSameFramesHaveTheSameBytesAtAnyThreadCount) {
   EXPECT_EQ(found[0], found[2]);
 }
 
-TEST(FrameRenderer, StaysWithinItsBudgetAndConvergesWhenTheLightIsStill) {
-  FrameRenderer renderer(small_bake(), settings(PolicyKind::pbi, 30));
+void expect_budget_and_convergence(const RelightSettings& settings) {
+  FrameRenderer renderer(small_bake(), settings);
   Rgb8Image frame, exact;
   FrameReport report = renderer.render_moving({"sky", {}, 0}, frame);
   EXPECT_EQ(report.bands_reset, 3u);
@@ -208,6 +208,13 @@ TEST(FrameRenderer, StaysWithinItsBudgetAndConvergesWhenTheLightIsStill) {
     different += frame.bytes[i] != exact.bytes[i];
   }
   EXPECT_LT(different, 20);
+}
+
+TEST(FrameRenderer, StaysWithinItsBudgetAndConvergesWhenTheLightIsStill) {
+  for (const char* const policy : {"bi", "pbi", "pbi:dealer:transport", "benefit"}) {
+    SCOPED_TRACE(policy);
+    expect_budget_and_convergence(settings(policy, 30));
+  }
 }
 
 TEST(FrameRenderer, AnAbandonedFrameIsNotTouched) {
@@ -232,7 +239,7 @@ TEST(FrameRenderer, AnAbandonedFrameIsNotTouched) {
 TEST(FrameRenderer, AllocatesNothingAfterTheFirstFrames) {
   if (!test::kCountsAllocations) GTEST_SKIP() << "no operator new of its own here";
   set_thread_count(1);  // so that the calling thread's allocations are all there are
-  FrameRenderer renderer(small_bake(), settings(PolicyKind::pbi, 30));
+  FrameRenderer renderer(small_bake(), settings("pbi", 30));
   Rgb8Image frame;
   FrameReport report;
   const std::function<bool()> never = [] { return false; };

@@ -10,7 +10,7 @@
 
 #include "core/base/parallel.h"
 #include "core/math/random.h"
-#include "core/relight/policy.h"
+#include "core/relight/policies.h"
 #include "tests/support/random_transport.h"
 #include "tests/support/reference/columns.h"
 
@@ -82,7 +82,8 @@ struct Session {
   UpdatePlan plan;
 
   void frame(const UpdatePolicy& policy, const CubeLight& target, std::size_t budget) {
-    policy.make_plan({kHaar, target, relighter.held(), budget}, workspace, plan);
+    policy.make_plan({kHaar, target, relighter.held(), Budget::coefficients(budget)}, workspace,
+                     plan);
     relighter.apply(plan, target);
   }
 };
