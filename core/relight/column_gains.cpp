@@ -76,9 +76,11 @@ void measure(const PlanRequest& request, Alternative alternative, const GainOf& 
 /// Columns that alone cost more than there is are no candidates: else they would stand in the way
 /// of all behind them, for ever.
 void leave_out_unaffordable(const ColumnCosts& costs, std::vector<std::uint32_t>& ranks) {
-  if (!costs.are_bytes() && costs.budget() > 0) return;
+  if (!costs.are_bytes()) return;
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+  const auto budget = static_cast<std::uint32_t>(std::min(costs.budget(), kMost));
   for (std::size_t i = 0; i < ranks.size(); ++i) {
-    if (costs.of(i) > costs.budget()) ranks[i] = 0;
+    ranks[i] = costs.bytes_of(i) > budget ? 0 : ranks[i];
   }
 }
 
@@ -152,7 +154,7 @@ void measure_energies(const PlanRequest& request, Alternative alternative, Colum
   const ColumnCosts costs(request);
   if (costs.are_bytes()) {
     for (std::size_t i = 0; i < count; ++i) {
-      const float density = gains.gain[i] / static_cast<float>(costs.of(i));
+      const float density = gains.gain[i] / static_cast<float>(costs.bytes_of(i));
       gains.rank[i] = rank_of(density, gains.rank[i] != 0);
     }
   }

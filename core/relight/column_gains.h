@@ -24,8 +24,10 @@ class ColumnCosts {
 
   std::uint64_t budget() const { return budget_; }
   bool are_bytes() const { return bytes_ != nullptr; }
-  std::uint64_t of(std::size_t column) const {
-    return bytes_ == nullptr ? 1 : std::max<std::uint32_t>(bytes_[column], 1);
+  std::uint64_t of(std::size_t column) const { return are_bytes() ? bytes_of(column) : 1; }
+  /// When they are bytes.
+  std::uint32_t bytes_of(std::size_t column) const {
+    return bytes_[column] + (bytes_[column] == 0);
   }
 
  private:

@@ -104,8 +104,7 @@ std::unique_ptr<const UpdatePolicy> make_policy(const PolicySettings& settings) 
     case PolicyKind::benefit:
       return std::make_unique<BenefitPolicy>();
   }
-  RIMLIGHT_CHECK(!"a kind of policy");
-  return nullptr;
+  throw CheckFailure("a policy of no known kind");
 }
 
 }  // namespace rimlight

@@ -1,6 +1,7 @@
 #include "core/relight/ranked_columns.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "core/base/check.h"
@@ -27,17 +28,13 @@ std::uint32_t lowest_rank(std::span<const std::uint32_t> ranks, std::size_t firs
   return 1;
 }
 
-/// One pass of a stable sort from large to small, by 8 bits of the ranks.
-void sort_by_digit(std::span<const RankedColumns::Entry> from, std::span<RankedColumns::Entry> to,
-                   unsigned shift) {
-  constexpr std::size_t kDigits = 256;
-  const auto digit = [shift](const RankedColumns::Entry& entry) {
-    return kDigits - 1 - ((entry.rank() >> shift) & (kDigits - 1));
-  };
-  std::array<std::size_t, kDigits + 1> next = {};
-  for (const auto& entry : from) ++next[digit(entry) + 1];
-  for (std::size_t d = 1; d < kDigits; ++d) next[d] += next[d - 1];
-  for (const auto& entry : from) to[next[digit(entry)]++] = entry;
+// Ranks in three digits, for sorting from large to small.
+constexpr unsigned kDigitBits = 11;
+constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
+constexpr std::array<unsigned, 3> kShifts = {0, kDigitBits, 2 * kDigitBits};
+
+std::size_t digit_of(const RankedColumns::Entry& entry, unsigned shift) {
+  return kDigits - 1 - ((entry.rank() >> shift) & (kDigits - 1));
 }
 
 }  // namespace
@@ -60,10 +57,19 @@ void RankedColumns::add(const CubeHaar& basis, int band, Alternative alternative
   }
 }
 
+/// A stable radix sort, from the lowest digit to the highest.
 void RankedColumns::sort() {
   scratch_.resize(entries_.size());
-  for (const unsigned shift : {0u, 8u, 16u, 24u}) {
-    sort_by_digit({entries_.data(), count_}, scratch_, shift);
+  first_of_digit_.assign(kShifts.size() * kDigits, 0);
+  for (const Entry& entry : entries()) {
+    for (std::size_t k = 0; k < kShifts.size(); ++k) {
+      ++first_of_digit_[k * kDigits + digit_of(entry, kShifts[k])];
+    }
+  }
+  for (std::size_t k = 0; k < kShifts.size(); ++k) {
+    std::uint32_t* const next = first_of_digit_.data() + k * kDigits;
+    std::exclusive_scan(next, next + kDigits, next, 0u);
+    for (const Entry& entry : entries()) scratch_[next[digit_of(entry, kShifts[k])]++] = entry;
     std::swap(entries_, scratch_);
   }
 }

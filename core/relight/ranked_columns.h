@@ -57,6 +57,7 @@ class RankedColumns {
   std::vector<Entry> entries_;  // the first count_
   std::vector<Entry> scratch_;
   std::vector<std::uint64_t> bucket_costs_;
+  std::vector<std::uint32_t> first_of_digit_;
   std::array<std::uint32_t, kMostLists> lowest_rank_ = {};  // that a list keeps
   std::size_t count_ = 0;
 };

@@ -212,8 +212,8 @@ TEST_F(Program, ABakeThatWasKilledResumesToTheSameBytes) {
   ASSERT_EQ(run_program({"bake", path("wide.json"), "-o", path("whole.bake")}).status, 0);
   {
     test::RunningProgram baking({"bake", path("wide.json"), "-o", path("killed.bake")});
-    const auto first_tile = folder_ / "killed.bake.partial" / "tiles" / "tile-0.part.json";
-    while (baking.is_running() && !std::filesystem::exists(first_tile)) {
+    const auto first_tile_done = folder_ / "killed.bake.partial" / "tiles" / "tile-1.sums.json";
+    while (baking.is_running() && !std::filesystem::exists(first_tile_done)) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     ASSERT_TRUE(baking.is_running()) << "it ended before it could be killed";

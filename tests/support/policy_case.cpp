@@ -77,6 +77,12 @@ PolicyCase::PolicyCase(const PolicyCaseSettings& settings) : haar(settings.size)
   }
 }
 
+void PolicyCase::leave_unseen(std::size_t begin, std::size_t end) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::ranges::fill(std::span(norm_squared).subspan(c * bytes.size() + begin, end - begin), 0.0f);
+  }
+}
+
 UpdatePlan plan_of(const UpdatePolicy& policy, const PlanRequest& request) {
   PlanWorkspace workspace;
   UpdatePlan plan;

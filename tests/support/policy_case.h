@@ -31,6 +31,9 @@ struct PolicyCase {
 
   explicit PolicyCase(const PolicyCaseSettings& settings);
 
+  /// Columns [begin, end) get norm zero.
+  void leave_unseen(std::size_t begin, std::size_t end);
+
   PlanRequest request(Budget budget) const {
     return {haar, target, held, budget, norm_squared, bytes, image_bytes};
   }

@@ -105,7 +105,7 @@ void register_benchmarks() {
   }
   benchmark::RegisterBenchmark(
       "benefit/bytes", [](benchmark::State& state) { plan(state, "benefit", Budget::Unit::bytes); })
-      ->ArgsProduct({{32, 64}, {4 << 20, 32 << 20}})
+      ->ArgsProduct({{32, 64}, {4 << 20, 16 << 20}})
       ->Unit(benchmark::kMicrosecond)
       ->UseRealTime();
 }

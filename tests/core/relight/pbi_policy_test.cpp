@@ -71,8 +71,9 @@ TEST(PbiPolicy, NoPolicyOfThePaperLeavesLessErrorInAFrameThanTheExhaustiveTest) 
     const PolicyCase problem({.size = 16, .seed = seed, .quantum = 0});
     for (const std::size_t budget : {3u, 30u, 300u}) {
       const PlanRequest request = problem.request(Budget::coefficients(budget));
-      for (const auto& [name, selection] : kSelections) {
-        const auto measure = reference::size_measure(request, selection);
+      for (const auto& named : kSelections) {
+        const std::string& name = named.first;
+        const auto measure = reference::size_measure(request, named.second);
         const auto error = [&](const std::string& policy) {
           return choice_of(request, plan_of((policy + name).c_str(), request), measure).error;
         };

@@ -96,6 +96,9 @@ TEST_P(EveryPolicy, TheFirstFrameResetsAllBands) {
   for (const Budget budget : {Budget::coefficients(30), Budget::bytes(400)}) {
     PolicyCase problem({.seed = 3});
     std::ranges::fill(problem.held.values, 0.0f);
+    // A band that is to stay dark, too, and one that no receiver sees.
+    for (int c = 0; c < 3; ++c) std::ranges::fill(problem.target.channel(c).subspan(24, 72), 0.0f);
+    problem.leave_unseen(0, 24);
     const UpdatePlan plan = plan_of(*policy_, problem.request(budget));
     EXPECT_GT(plan.columns.size(), 10u);
     for (const BandUpdate& band : plan.bands) EXPECT_EQ(band.action, BandAction::reset);
@@ -104,21 +107,22 @@ TEST_P(EveryPolicy, TheFirstFrameResetsAllBands) {
 
 TEST_P(EveryIncrementalPolicy, StillLightConvergesToNoResidualAndThenHolds) {
   for (const Budget budget : {Budget::coefficients(20), Budget::bytes(400)}) {
-    PolicyCase problem({.seed = 11, .quantum = 0});
-    // No receiver sees the coarsest band, and most of the finest; their light is held all the same.
-    for (std::size_t i = 0; i < problem.norm_squared.size(); ++i) {
-      if (i % 384 < 24 || i % 384 > 150) problem.norm_squared[i] = 0;
-    }
-    const PlanRequest request = problem.request(budget);
-    // Whatever is reset at first, then at least 20 columns a frame (400 bytes hold 10 or more).
-    for (int frame = 0; frame < 60; ++frame) {
+    for (const std::size_t first_unseen : {96u, 150u, 384u}) {
+      PolicyCase problem({.seed = 11, .quantum = 0});
+      // What no receiver sees, here a band or most of it, is held in the end all the same.
+      problem.leave_unseen(0, 24);
+      problem.leave_unseen(first_unseen, 384);
+      const PlanRequest request = problem.request(budget);
+      // Whatever is reset at first, then 20 columns a frame, or the 10 or more of 400 bytes.
+      for (int frame = 0; frame < 60; ++frame) {
+        const UpdatePlan plan = plan_of(*policy_, request);
+        test::apply(plan, problem.haar, problem.target, problem.held);
+      }
+      EXPECT_EQ(problem.held.values, problem.target.values);
       const UpdatePlan plan = plan_of(*policy_, request);
-      test::apply(plan, problem.haar, problem.target, problem.held);
+      EXPECT_TRUE(plan.columns.empty());
+      for (const BandUpdate& band : plan.bands) EXPECT_EQ(band.action, BandAction::hold);
     }
-    EXPECT_EQ(problem.held.values, problem.target.values);
-    const UpdatePlan plan = plan_of(*policy_, request);
-    EXPECT_TRUE(plan.columns.empty());
-    for (const BandUpdate& band : plan.bands) EXPECT_EQ(band.action, BandAction::hold);
   }
 }
 
