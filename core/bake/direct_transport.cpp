@@ -1,5 +1,6 @@
 #include "core/bake/direct_transport.h"
 
+#include <memory>
 #include <vector>
 
 #include "core/bake/group_surfaces.h"
@@ -60,7 +61,8 @@ DirectTransport::DirectTransport(const RayScene& scene, int cube_size)
 
 void DirectTransport::add(const GroupSamples& samples, std::uint64_t seed, GroupRows& rows) const {
   RIMLIGHT_CHECK_EQ(rows.cube_size, texels_.cube_size());
-  thread_local Workspace work;
+  thread_local const auto workspace = std::make_unique<Workspace>();
+  Workspace& work = *workspace;
   work.surfaces.assign(samples, seed);
   find_responding(texels_, work);
   work.visibility.trace(scene_, work.surfaces, texels_);

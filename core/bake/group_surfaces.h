@@ -1,28 +1,17 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "core/bake/group.h"
+#include "core/bake/lane_set.h"
 #include "core/bake/surface_groups.h"
 #include "core/bake/texel_quadrature.h"
 #include "core/base/aligned_vector.h"
 
 namespace rimlight {
-
-/// A set of a group's lanes: bit i for lane i.
-using LaneSet = std::uint64_t;
-static_assert(kGroupLanes == 64);
-constexpr LaneSet lane_bit(std::size_t lane) { return LaneSet{1} << lane; }
-
-/// Calls visit(lane) for the lanes of a set, from the first to the last.
-template <typename Visit>
-void for_each_lane(LaneSet lanes, const Visit& visit) {
-  for (; lanes != 0; lanes &= lanes - 1) visit(static_cast<std::size_t>(std::countr_zero(lanes)));
-}
 
 /// One number for each lane, ready for vector code.
 template <typename T>
@@ -67,14 +56,16 @@ struct LobeSurface {
 /// What rays to the sky need of the hits of all surfaces: one array a component.
 class HitTable {
  public:
+  /// The first components of what there is of a hit; vectors have three.
+  static constexpr std::size_t kPosition = 0, kOffset = 3, kGeometricNormal = 4, kShadingNormal = 7;
   static constexpr std::size_t kComponents = 10;
-  // Components: position x, y, z, offset, geometric normal x, y, z, shading normal x, y, z.
 
   void clear() { count_ = 0; }
   /// Room for `count` hits and a blank one.
   void reserve(std::size_t count);
   void add(const SurfaceHit& hit);
   std::size_t size() const { return count_; }
+  /// [size()]
   const float* component(std::size_t i) const { return values_.data() + i * room_; }
 
  private:

@@ -113,14 +113,19 @@ struct Hits {
   FloatVector offset;
 
   HWY_INLINE Hits(const HitTable& table, IntVector index)
-      : position{gather(table, 0, index), gather(table, 1, index), gather(table, 2, index)},
-        geometric_normal{gather(table, 4, index), gather(table, 5, index), gather(table, 6, index)},
-        shading_normal{gather(table, 7, index), gather(table, 8, index), gather(table, 9, index)},
-        offset(gather(table, 3, index)) {}
+      : position(gather3(table, HitTable::kPosition, index)),
+        geometric_normal(gather3(table, HitTable::kGeometricNormal, index)),
+        shading_normal(gather3(table, HitTable::kShadingNormal, index)),
+        offset(gather(table, HitTable::kOffset, index)) {}
 
+ private:
   static HWY_INLINE FloatVector gather(const HitTable& table, std::size_t component,
                                        IntVector index) {
     return hn::GatherIndex(Floats(), table.component(component), index);
+  }
+  static HWY_INLINE VectorOf3 gather3(const HitTable& table, std::size_t first, IntVector index) {
+    return {gather(table, first, index), gather(table, first + 1, index),
+            gather(table, first + 2, index)};
   }
 };
 
@@ -205,6 +210,7 @@ namespace rimlight {
 HWY_EXPORT(add_shadow_rays_impl);
 
 void add_shadow_rays(const ShadowRayRequest& request, ShadowRays& rays) {
+  RIMLIGHT_CHECK(request.first >= 0 && request.count > 0);
   RIMLIGHT_CHECK(std::has_single_bit(static_cast<unsigned>(request.count)));
   RIMLIGHT_CHECK_EQ(request.first_slot % kGroupLanes, 0u);
   RIMLIGHT_CHECK(rays.rays.count + static_cast<std::size_t>(request.count) * kGroupLanes <=

@@ -1,0 +1,139 @@
+#include "core/bake/group_surfaces.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <numeric>
+#include <set>
+
+#include "core/base/check.h"
+#include "tests/core/bake/random_samples.h"
+
+namespace rimlight {
+namespace {
+
+Vec3f vector_at(const LaneVectors& vectors, std::size_t lane) {
+  return {vectors[0][lane], vectors[1][lane], vectors[2][lane]};
+}
+
+/// The place in the hit table of the hit at this position; size() when it is not there.
+std::size_t place_of(const HitTable& hits, const Vec3f& position) {
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const Vec3f at{hits.component(HitTable::kPosition)[i],
+                   hits.component(HitTable::kPosition + 1)[i],
+                   hits.component(HitTable::kPosition + 2)[i]};
+    if (at == position) return i;
+  }
+  return hits.size();
+}
+
+TEST(GroupSurfaces, HoldWhatEachPixelsSurfacesAre) {
+  const GroupSamples samples = test::random_samples({.edges = true, .lobes = true}, 1);
+  GroupSurfaces surfaces;
+  surfaces.assign(samples, 7);
+  PixelSurfaces found;
+  std::size_t count = 0, lobes = 0;
+  for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
+    find_surfaces(samples, lane, found);
+    for (std::size_t i = 0; i < kMostSurfaces; ++i) {
+      const bool expected = i < found.size();
+      ASSERT_EQ(i < surfaces.layer_count() && (surfaces.layer(i).lanes & lane_bit(lane)) != 0,
+                expected);
+      if (!expected) continue;
+      ++count;
+      const SurfaceLayer& layer = surfaces.layer(i);
+      const PixelSurface& surface = found[i];
+      const auto first = static_cast<std::size_t>(layer.first_hit[lane]);
+      ASSERT_EQ(static_cast<std::size_t>(layer.hit_count[lane]), surface.hits.size());
+      for (std::size_t hit = 0; hit < surface.hits.size(); ++hit) {
+        EXPECT_EQ(place_of(surfaces.hits(), surface.hits[hit]->position), first + hit);
+      }
+      const bool is_lobe = surface.brdf.model != BrdfModel::lambert;
+      ASSERT_EQ((layer.lobe_lanes & lane_bit(lane)) != 0, is_lobe);
+      const Vec3f scaled = surface.brdf.albedo * (surface.share / 3.14159265f);
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(layer.lambert[static_cast<std::size_t>(c)][lane], is_lobe ? 0 : scaled[c],
+                    1e-7);
+      }
+      if (!is_lobe) continue;
+      ++lobes;
+      const LobeSurface& lobe = surfaces.lobes()[static_cast<std::size_t>(layer.lobe[lane])];
+      EXPECT_EQ(lobe.brdf.model, surface.brdf.model);
+      EXPECT_EQ(lobe.share, surface.share);
+    }
+  }
+  EXPECT_GT(count, 70u);
+  EXPECT_GT(lobes, 20u);
+  EXPECT_EQ(lobes, surfaces.lobes().size());
+  const auto pixels = static_cast<float>(std::popcount(surfaces.layer(0).lanes));
+  EXPECT_FLOAT_EQ(surfaces.surfaces_per_pixel(), static_cast<float>(count) / pixels);
+}
+
+TEST(GroupSurfaces, RespondersAreFourHitsSpreadOverTheSurface) {
+  const GroupSamples samples = test::random_samples({.rays = 8}, 2);
+  GroupSurfaces surfaces;
+  surfaces.assign(samples, 7);
+  ASSERT_EQ(surfaces.layer_count(), 1u);
+  for (std::size_t q = 0; q < kQuarters; ++q) {
+    const SurfaceHit& hit = *samples.hit(0, static_cast<int>(2 * q + 1));
+    EXPECT_EQ(vector_at(surfaces.layer(0).shading_normal[q], 0), hit.shading_normal);
+    EXPECT_EQ(vector_at(surfaces.layer(0).geometric_normal[q], 0), hit.geometric_normal);
+  }
+}
+
+TEST(GroupSurfaces, WalksVisitEveryHitAndSeedsDiffer) {
+  std::set<std::pair<std::int32_t, std::int32_t>> seeds;
+  for (int rays = 1; rays <= 70; ++rays) {
+    GroupSurfaces surfaces;
+    surfaces.assign(test::random_samples({.rays = rays}, 3), static_cast<std::uint64_t>(rays));
+    const SurfaceLayer& layer = surfaces.layer(0);
+    ASSERT_EQ(layer.hit_count[0], rays);
+    EXPECT_TRUE(rays == 1 || std::gcd(layer.hit_step[0], rays) == 1) << rays;
+    for_each_lane(layer.lanes, [&](std::size_t lane) {
+      EXPECT_TRUE(seeds.emplace(layer.seed_low[lane], layer.seed_high[lane]).second);
+      EXPECT_LT(layer.hit_step[lane], layer.hit_count[lane]);
+    });
+  }
+  EXPECT_GT(seeds.size(), 3000u);
+}
+
+TEST(GroupSurfaces, NothingOfTheGroupBeforeStays) {
+  const GroupSamples samples = test::random_samples({.rays = 4}, 4);
+  GroupSurfaces fresh, used;
+  used.assign(test::random_samples({.rays = 32, .edges = true, .lobes = true}, 5), 1);
+  ASSERT_GT(used.layer_count(), 1u);
+  fresh.assign(samples, 6);
+  used.assign(samples, 6);
+  EXPECT_EQ(used.layer_count(), fresh.layer_count());
+  EXPECT_EQ(used.lobes().size(), 0u);
+  EXPECT_EQ(used.hits().size(), fresh.hits().size());
+  EXPECT_EQ(used.layer(0).lanes, fresh.layer(0).lanes);
+  EXPECT_EQ(used.layer(0).seed_low.lane, fresh.layer(0).seed_low.lane);
+  EXPECT_EQ(used.layer(0).lambert[1].lane, fresh.layer(0).lambert[1].lane);
+}
+
+TEST(GroupSurfaces, OfAnEmptyGroupAreNone) {
+  GroupSamples samples;
+  samples.rays = 2;
+  samples.hits.assign(2 * kGroupLanes, std::nullopt);
+  samples.outgoing.assign(2 * kGroupLanes, Vec3f{});
+  GroupSurfaces surfaces;
+  surfaces.assign(samples, 1);
+  EXPECT_EQ(surfaces.layer_count(), 0u);
+  EXPECT_EQ(surfaces.surfaces_per_pixel(), 0);
+}
+
+TEST(HitTable, MoreHitsThanReservedAreABug) {
+  HitTable hits;
+  hits.reserve(2);
+  for (int i = 0; i < 2; ++i) hits.add({});
+  EXPECT_THROW(
+      {
+        for (int i = 0; i < 100; ++i) hits.add({});
+      },
+      CheckFailure);
+  EXPECT_THROW(hits.reserve(3), CheckFailure);
+}
+
+}  // namespace
+}  // namespace rimlight
