@@ -81,20 +81,29 @@ TEST(GroupSurfaces, RespondersAreFourHitsSpreadOverTheSurface) {
   }
 }
 
-TEST(GroupSurfaces, WalksVisitEveryHitAndSeedsDiffer) {
+TEST(GroupSurfaces, WalksVisitEveryHitAndAllSeedsDiffer) {
   std::set<std::pair<std::int32_t, std::int32_t>> seeds;
+  std::set<std::int32_t> hit_counts;
+  std::size_t count = 0;
   for (int rays = 1; rays <= 70; ++rays) {
     GroupSurfaces surfaces;
-    surfaces.assign(test::random_samples({.rays = rays}, 3), static_cast<std::uint64_t>(rays));
-    const SurfaceLayer& layer = surfaces.layer(0);
-    ASSERT_EQ(layer.hit_count[0], rays);
-    EXPECT_TRUE(rays == 1 || std::gcd(layer.hit_step[0], rays) == 1) << rays;
-    for_each_lane(layer.lanes, [&](std::size_t lane) {
-      EXPECT_TRUE(seeds.emplace(layer.seed_low[lane], layer.seed_high[lane]).second);
-      EXPECT_LT(layer.hit_step[lane], layer.hit_count[lane]);
-    });
+    surfaces.assign(test::random_samples({.rays = rays, .edges = true}, 3),
+                    static_cast<std::uint64_t>(rays));
+    for (std::size_t i = 0; i < surfaces.layer_count(); ++i) {
+      const SurfaceLayer& layer = surfaces.layer(i);
+      for_each_lane(layer.lanes, [&](std::size_t lane) {
+        ++count;
+        seeds.emplace(layer.seed_low[lane], layer.seed_high[lane]);
+        const std::int32_t hits = layer.hit_count[lane];
+        hit_counts.insert(hits);
+        EXPECT_TRUE(hits == 1 || std::gcd(layer.hit_step[lane], hits) == 1) << hits;
+        EXPECT_LT(layer.hit_step[lane], hits);
+      });
+    }
   }
-  EXPECT_GT(seeds.size(), 3000u);
+  EXPECT_GT(count, 6000u);
+  EXPECT_EQ(seeds.size(), count);
+  EXPECT_GT(hit_counts.size(), 40u);
 }
 
 TEST(GroupSurfaces, NothingOfTheGroupBeforeStays) {
