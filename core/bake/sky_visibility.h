@@ -11,6 +11,10 @@
 
 namespace rimlight {
 
+/// Of the shadow rays of a group, in the order in which they are traced: high unless its pixels
+/// show many surfaces, as foliage does.
+Coherence shadow_ray_coherence(const GroupSurfaces& surfaces);
+
 /// How much of each texel of the sky the surfaces of a group see, by shadow rays: one to each texel
 /// that a surface responds to, and kMoreShadowRays more where the first ones around it disagree
 /// (surroundings.h). Reused from group to group, so that it stops allocating. One thread at a time.

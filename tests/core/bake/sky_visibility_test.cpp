@@ -137,13 +137,13 @@ TEST_F(SkyVisibilityTest, OfACameraGroupIsThatOfARayAtATime) {
   const BakeSettings& bake = scene_.scene().bake;
   sample_group(scene_, {bake.width, bake.height}, 27 * kGroupLanes, 4, 1, samples);
   trace(samples);
-  EXPECT_LT(surfaces_.surfaces_per_pixel(), 1.7f);  // coherent rays
+  EXPECT_EQ(shadow_ray_coherence(surfaces_), Coherence::high);
   expect_brute_force();
 }
 
 TEST_F(SkyVisibilityTest, OfPixelsWithManySurfacesIsThatOfARayAtATime) {
   trace(test::random_samples({.rays = 8, .edges = true}, 2));
-  EXPECT_GT(surfaces_.surfaces_per_pixel(), 1.7f);  // incoherent rays
+  EXPECT_EQ(shadow_ray_coherence(surfaces_), Coherence::low);
   EXPECT_GT(surfaces_.layer_count(), 1u);
   expect_brute_force();
 }
