@@ -33,14 +33,12 @@ struct SurfaceLayer {
   std::array<LaneVectors, kQuarters> geometric_normal;
   /// Lambert surfaces: share · albedo / π by channel. The others: 0.
   std::array<LaneArray<float>, 3> lambert;
-  /// The others: their places in GroupSurfaces::lobes.
+  /// The others, and where GroupSurfaces keeps them.
   LaneSet lobe_lanes = 0;
   LaneArray<std::int32_t> lobe;
   /// A surface's hits: hit_count of them (blank: 1) from first_hit of GroupSurfaces::hits. A walk
   /// in steps of hit_step, modulo hit_count, visits far ones first, and all in the end.
   LaneArray<std::int32_t> first_hit, hit_count, hit_step;
-  /// Of its random numbers: 64 bits.
-  LaneArray<std::int32_t> seed_low, seed_high;
 };
 
 /// A surface whose BRDF depends on both directions.
@@ -56,8 +54,9 @@ struct LobeSurface {
 /// What rays to the sky need of the hits of all surfaces: one array a component.
 class HitTable {
  public:
-  /// The first components of what there is of a hit; vectors have three.
-  static constexpr std::size_t kPosition = 0, kOffset = 3, kGeometricNormal = 4, kShadingNormal = 7;
+  /// The first components of what there is of a hit; vectors have three. The origin is where rays
+  /// start on the side of the geometric normal: offset · normal clear of the surface.
+  static constexpr std::size_t kOrigin = 0, kGeometricNormal = 3, kShadingNormal = 6, kOffset = 9;
   static constexpr std::size_t kComponents = 10;
 
   void clear() { count_ = 0; }
@@ -79,17 +78,20 @@ class HitTable {
 class GroupSurfaces {
  public:
   /// Finds all surfaces of `samples`.
-  void assign(const GroupSamples& samples, std::uint64_t seed);
+  void assign(const GroupSamples& samples);
 
   std::size_t layer_count() const { return layer_count_; }
   const SurfaceLayer& layer(std::size_t i) const { return layers_[i]; }
-  const std::vector<LobeSurface>& lobes() const { return lobes_; }
+  /// Of a lane of the layer's lobe_lanes.
+  const LobeSurface& lobe(std::size_t layer, std::size_t lane) const {
+    return lobes_[static_cast<std::size_t>(layers_[layer].lobe[lane])];
+  }
   const HitTable& hits() const { return hits_; }
   /// Of the pixels that have any.
   float surfaces_per_pixel() const;
 
  private:
-  void add(const PixelSurface& surface, std::size_t lane, std::size_t layer, std::uint64_t seed);
+  void add(const PixelSurface& surface, std::size_t lane, std::size_t layer);
 
   std::array<SurfaceLayer, kMostSurfaces> layers_;
   std::size_t layer_count_ = 0;

@@ -38,7 +38,8 @@ void SkyVisibility::clear(std::size_t layer_count, const TexelQuadrature& texels
 }
 
 void SkyVisibility::trace(const RayScene& scene, const GroupSurfaces& surfaces,
-                          const TexelQuadrature& texels) {
+                          const TexelQuadrature& texels, std::uint64_t seed) {
+  seed_ = seed;
   coherence_ = shadow_ray_coherence(surfaces);
   cast(scene, surfaces, texels, responding_, 0, 1);
   find_refined(texels.cube_size());
@@ -76,8 +77,7 @@ void SkyVisibility::cast(const RayScene& scene, const GroupSurfaces& surfaces,
       if (wanted == 0) continue;
       if (rays_.rays.count + most_rays > SkyRays::kCapacity) collect(scene);
       const auto slot = static_cast<std::uint32_t>(place(layer, texel) * kGroupLanes);
-      add_shadow_rays({surfaces.layer(layer), surfaces.hits(), patch, wanted, first, count, slot},
-                      rays_);
+      add_shadow_rays({surfaces, layer, patch, wanted, first, count, slot, seed_}, rays_);
     }
   }
   collect(scene);

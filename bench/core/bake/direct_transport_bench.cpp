@@ -60,21 +60,21 @@ RecordedRays record_rays(const GroupSamples& samples, std::uint64_t seed, int cu
   const auto visibility = std::make_unique<SkyVisibility>();
   const auto batch = std::make_unique<ShadowRays>();
   GroupSurfaces surfaces;
-  surfaces.assign(samples, seed);
+  surfaces.assign(samples);
   visibility->clear(surfaces.layer_count(), texels);
   for (std::size_t i = 0; i < surfaces.layer_count(); ++i) {
     for (std::size_t texel = 0; texel < texels.count(); ++texel) {
       visibility->responding(i, texel) = facing_lanes(surfaces.layer(i), texels.quarters(texel));
     }
   }
-  visibility->trace(terrace_rays(), surfaces, texels);
+  visibility->trace(terrace_rays(), surfaces, texels, mix_bits(seed));
   RecordedRays recorded{shadow_ray_coherence(surfaces), {}};
   for (const bool more : {false, true}) {
     for (std::size_t texel = 0; texel < texels.count(); ++texel) {
       for (std::size_t i = 0; i < surfaces.layer_count(); ++i) {
-        record({surfaces.layer(i), surfaces.hits(), texels.patch(texel),
+        record({surfaces, i, texels.patch(texel),
                 more ? visibility->refined(i, texel) : visibility->responding(i, texel),
-                more ? 1 : 0, more ? SkyVisibility::kMoreShadowRays : 1},
+                more ? 1 : 0, more ? SkyVisibility::kMoreShadowRays : 1, 0, mix_bits(seed)},
                *batch, recorded);
       }
     }

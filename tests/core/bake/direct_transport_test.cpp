@@ -36,8 +36,7 @@ Vec3d response(const GroupSurfaces& surfaces, std::size_t i, std::size_t lane,
                const Quarters& quarters) {
   const SurfaceLayer& layer = surfaces.layer(i);
   if ((layer.lobe_lanes & lane_bit(lane)) != 0) {
-    const auto& lobe = surfaces.lobes()[static_cast<std::size_t>(layer.lobe[lane])];
-    return Vec3d(lobe_response(lobe, quarters));
+    return Vec3d(lobe_response(surfaces.lobe(i, lane), quarters));
   }
   double integral = 0;
   for (std::size_t q = 0; q < kQuarters; ++q) {
@@ -57,18 +56,17 @@ TEST_F(DirectTransportTest, IsResponseTimesVisibilitySummedOverSurfaces) {
   const GroupRows rows = direct(samples, 2);
   const TexelQuadrature texels(kSize);
   GroupSurfaces surfaces;
-  surfaces.assign(samples, 2);
+  surfaces.assign(samples);
   const auto visibility = std::make_unique<SkyVisibility>();
   visibility->clear(surfaces.layer_count(), texels);
-  std::vector<Vec3f> ignored;
   for (std::size_t i = 0; i < surfaces.layer_count(); ++i) {
     for (std::size_t texel = 0; texel < texels.count(); ++texel) {
       const Quarters& quarters = texels.quarters(texel);
       const LaneSet facing = facing_lanes(surfaces.layer(i), quarters);
-      visibility->responding(i, texel) = responding_lanes(surfaces, i, quarters, facing, ignored);
+      visibility->responding(i, texel) = responding_lanes(surfaces, i, quarters, facing);
     }
   }
-  visibility->trace(scene_, surfaces, texels);
+  visibility->trace(scene_, surfaces, texels, mix_bits(2));
   int positive = 0;
   for (std::size_t texel = 0; texel < texels.count(); ++texel) {
     for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {

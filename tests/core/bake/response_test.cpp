@@ -40,7 +40,7 @@ CosineIntegral cosine_integral(const SurfaceLayer& layer, std::size_t lane,
 
 TEST(LambertKernel, FacingLanesAndAddedLightAreThoseOfADoubleLoop) {
   GroupSurfaces surfaces;
-  surfaces.assign(test::random_samples({.edges = true, .lobes = true}, 1), 2);
+  surfaces.assign(test::random_samples({.edges = true, .lobes = true}, 1));
   const TexelQuadrature texels(kSize);
   ASSERT_GT(surfaces.layer_count(), 1u);
   Random random(3);
@@ -88,7 +88,7 @@ TEST(LambertKernel, UnderAUniformSkyAnOpenSurfaceReflectsItsAlbedo) {
     if (hit) hit->shading_normal = hit->geometric_normal;
   }
   GroupSurfaces surfaces;
-  surfaces.assign(samples, 5);
+  surfaces.assign(samples);
   const TexelQuadrature texels(16);
   AlignedVector<float> row(kRowLanes);
   const AlignedVector<std::uint8_t> lit(kGroupLanes, 1);
@@ -129,13 +129,25 @@ Vec3d reference_response(const LobeSurface& lobe, const Quarters& quarters) {
   return sum * static_cast<double>(lobe.share);
 }
 
+/// What each lobe surface of a group responds to each texel, visited one after the other.
+template <typename Visit>
+int for_each_lobe(const GroupSurfaces& surfaces, const Visit& visit) {
+  int lobes = 0;
+  for (std::size_t i = 0; i < surfaces.layer_count(); ++i) {
+    for_each_lane(surfaces.layer(i).lobe_lanes, [&](std::size_t lane) {
+      visit(surfaces.lobe(i, lane));
+      ++lobes;
+    });
+  }
+  return lobes;
+}
+
 TEST(LobeResponse, IsTheReferenceBrdfsQuadrature) {
   GroupSurfaces surfaces;
-  surfaces.assign(test::random_samples({.edges = true, .lobes = true}, 6), 7);
+  surfaces.assign(test::random_samples({.edges = true, .lobes = true}, 6));
   const TexelQuadrature texels(kSize);
-  ASSERT_GT(surfaces.lobes().size(), 20u);
   int positive = 0;
-  for (const LobeSurface& lobe : surfaces.lobes()) {
+  const int lobes = for_each_lobe(surfaces, [&](const LobeSurface& lobe) {
     for (std::size_t texel = 0; texel < texels.count(); ++texel) {
       const Vec3f response = lobe_response(lobe, texels.quarters(texel));
       const Vec3d expected = reference_response(lobe, texels.quarters(texel));
@@ -144,7 +156,8 @@ TEST(LobeResponse, IsTheReferenceBrdfsQuadrature) {
         positive += response[c] > 1e-4f ? 1 : 0;
       }
     }
-  }
+  });
+  EXPECT_GT(lobes, 20);
   EXPECT_GT(positive, 5000);
 }
 
@@ -156,32 +169,23 @@ TEST(LobeResponse, LanesWithoutAResponseDropOutAndLambertLanesStay) {
     hit->brdf.albedo = {};  // a mirror: dark off its lobe
     hit->brdf.exponent = 1e5f;
   }
-  surfaces.assign(samples, 9);
+  surfaces.assign(samples);
   const TexelQuadrature texels(kSize);
   const SurfaceLayer& layer = surfaces.layer(0);
-  int dropped = 0;
+  int dropped = 0, kept = 0;
   for (std::size_t texel = 0; texel < texels.count(); ++texel) {
     const Quarters& quarters = texels.quarters(texel);
     const LaneSet facing = facing_lanes(layer, quarters);
-    std::vector<Vec3f> responses = {{9, 9, 9}};
-    const LaneSet responding = responding_lanes(surfaces, 0, quarters, facing, responses);
+    const LaneSet responding = responding_lanes(surfaces, 0, quarters, facing);
     EXPECT_EQ(responding & ~layer.lobe_lanes, facing & ~layer.lobe_lanes);
-    std::size_t next = 1;
     for_each_lane(facing & layer.lobe_lanes, [&](std::size_t lane) {
-      const auto& lobe = surfaces.lobes()[static_cast<std::size_t>(layer.lobe[lane])];
-      const Vec3f expected = lobe_response(lobe, quarters);
-      const bool responds = (responding & lane_bit(lane)) != 0;
-      ASSERT_EQ(responds, max_component(expected) > 0);
-      if (!responds) {
-        ++dropped;
-      } else {
-        ASSERT_LT(next, responses.size());
-        EXPECT_EQ(responses[next++], expected);
-      }
+      const bool expected = max_component(lobe_response(surfaces.lobe(0, lane), quarters)) > 0;
+      EXPECT_EQ((responding & lane_bit(lane)) != 0, expected);
+      ++(expected ? kept : dropped);
     });
-    EXPECT_EQ(next, responses.size());
   }
   EXPECT_GT(dropped, 100);
+  EXPECT_GT(kept, 100);
 }
 
 }  // namespace

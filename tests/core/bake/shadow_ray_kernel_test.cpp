@@ -18,6 +18,7 @@ namespace rimlight {
 namespace {
 
 constexpr int kSize = 8;
+constexpr std::uint64_t kSeed = 0xfedcba9876543210;
 
 /// pcg3d straight from the paper, one number at a time.
 std::array<std::uint32_t, 3> pcg3d(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
@@ -34,15 +35,21 @@ std::array<std::uint32_t, 3> pcg3d(std::uint32_t x, std::uint32_t y, std::uint32
   return v;
 }
 
-/// A surface of a layer, and where its ray k to a texel begins and goes, in double.
+/// Where a surface's ray k to a texel begins and goes, in double.
 struct ExpectedRay {
   std::size_t hit = 0;  // in the hit table
   Sample2 at;           // in the texel
 };
-ExpectedRay expected_ray(const SurfaceLayer& layer, std::size_t lane, std::size_t texel, int k) {
-  const auto bits =
-      pcg3d(static_cast<std::uint32_t>(texel), static_cast<std::uint32_t>(layer.seed_low[lane]),
-            static_cast<std::uint32_t>(layer.seed_high[lane]));
+struct SurfaceName {
+  std::size_t layer, lane;
+};
+ExpectedRay expected_ray(const GroupSurfaces& surfaces, const SurfaceName& name, std::size_t texel,
+                         int k, std::uint64_t seed = kSeed) {
+  const auto [i, lane] = name;
+  const SurfaceLayer& layer = surfaces.layer(i);
+  const auto bits = pcg3d(static_cast<std::uint32_t>(texel) + static_cast<std::uint32_t>(seed),
+                          static_cast<std::uint32_t>(i * kGroupLanes + lane),
+                          static_cast<std::uint32_t>(seed >> 32));
   ExpectedRay ray;
   ray.at = r2_point({bits[0] * 0x1p-32, bits[1] * 0x1p-32}, k);
   const auto count = static_cast<std::size_t>(layer.hit_count[lane]);
@@ -71,17 +78,18 @@ Traced ray_at(const ShadowRays& rays, std::size_t i) {
 /// Surfaces on planes of all slopes, and the texels of a small cube.
 class ShadowRayKernel : public testing::Test {
  protected:
-  ShadowRayKernel() { surfaces_.assign(test::random_samples({.edges = true}, 1), 2); }
+  ShadowRayKernel() { surfaces_.assign(test::random_samples({.edges = true}, 1)); }
 
   ShadowRayRequest request(std::size_t layer, std::size_t texel, LaneSet lanes, int first,
                            int count) const {
-    return {surfaces_.layer(layer),
-            surfaces_.hits(),
+    return {surfaces_,
+            layer,
             texels_.patch(texel),
             lanes,
             first,
             count,
-            static_cast<std::uint32_t>(texel * kGroupLanes)};
+            static_cast<std::uint32_t>(texel * kGroupLanes),
+            kSeed};
   }
 
   /// What is wrong with a ray that ought to be the expected one.
@@ -108,7 +116,8 @@ class ShadowRayKernel : public testing::Test {
     ASSERT_LT(length(ray.direction - direction), 2e-6);
     const double offset = static_cast<double>(hits.component(HitTable::kOffset)[expected.hit]);
     const double side = dot(geometric, direction) < 0 ? -offset : offset;
-    const Vec3d origin = vector_of(hits, HitTable::kPosition, expected.hit) + geometric * side;
+    const Vec3d origin =
+        vector_of(hits, HitTable::kOrigin, expected.hit) + geometric * (side - offset);
     ASSERT_LT(length(ray.origin - origin), 1e-6);
   }
 
@@ -134,7 +143,7 @@ TEST_F(ShadowRayKernel, EveryTargetGivesTheRaysOfTheDefinitionInDouble) {
         for (int k = first; k < first + count; ++k, ++i) {
           const Traced ray = ray_at(*rays_, i);
           ASSERT_EQ(ray.slot, texel * kGroupLanes + lane);
-          compare(ray, expected_ray(surfaces_.layer(layer), lane, texel, k), texel);
+          compare(ray, expected_ray(surfaces_, {layer, lane}, texel, k), texel);
         }
       });
       ASSERT_EQ(rays_->rays.count, i);
@@ -160,7 +169,8 @@ TEST_F(ShadowRayKernel, RaysStayWithinTheirTexelAndStartOnTheirOwnSurface) {
       double nearest = 1;
       for (std::size_t hit = first; hit < first + static_cast<std::size_t>(layer.hit_count[lane]);
            ++hit) {
-        const Vec3d position = vector_of(surfaces_.hits(), HitTable::kPosition, hit);
+        const Vec3d normal = vector_of(surfaces_.hits(), HitTable::kGeometricNormal, hit);
+        const Vec3d position = vector_of(surfaces_.hits(), HitTable::kOrigin, hit) - normal * 1e-4;
         nearest = std::min(nearest, length(ray.origin - position));
       }
       EXPECT_NEAR(nearest, 1e-4, 1e-6);  // the samples' offset
@@ -201,14 +211,14 @@ TEST_F(ShadowRayKernel, RandomBeginsCoverTexelAndHitsEvenlyAndDoNotFollowTheirNe
   test::Histogram u_bins(128), v_bins(128), square(256), hit_bins(kRays);
   test::Mean u_by_texel, u_by_lane, u_by_v, u_by_hit;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    surfaces_.assign(samples, seed);
+    surfaces_.assign(samples);
     const SurfaceLayer& layer = surfaces_.layer(0);
     std::vector<ExpectedRay> before(kGroupLanes);
     for (std::size_t texel = 0; texel < texels_.count(); ++texel) {
       ExpectedRay last;
       for_each_lane(layer.lanes, [&](std::size_t lane) {
         if (layer.hit_count[lane] != kRays) return;
-        const ExpectedRay ray = expected_ray(layer, lane, texel, 0);
+        const ExpectedRay ray = expected_ray(surfaces_, {0, lane}, texel, 0, mix_bits(seed));
         const auto [u, v] = ray.at;
         const double hit =
             (static_cast<double>(ray.hit) - static_cast<double>(layer.first_hit[lane]) + 0.5) /

@@ -14,13 +14,14 @@ namespace rimlight {
 namespace {
 
 constexpr int kSize = 8;
+constexpr std::uint64_t kSeed = 0x123456789abcdef;
 enum class Answer { none, dark, lit, both };
 
 /// One group's visibility, and the same by a ray at a time.
 class SkyVisibilityTest : public testing::Test {
  protected:
   void trace(const GroupSamples& samples) {
-    surfaces_.assign(samples, 3);
+    surfaces_.assign(samples);
     visibility_->clear(surfaces_.layer_count(), texels_);
     for (std::size_t i = 0; i < surfaces_.layer_count(); ++i) {
       for (std::size_t texel = 0; texel < texels_.count(); ++texel) {
@@ -28,7 +29,7 @@ class SkyVisibilityTest : public testing::Test {
             facing_lanes(surfaces_.layer(i), texels_.quarters(texel));
       }
     }
-    visibility_->trace(scene_, surfaces_, texels_);
+    visibility_->trace(scene_, surfaces_, texels_, kSeed);
   }
 
   bool responds(std::size_t layer, std::size_t texel, std::size_t lane) const {
@@ -38,9 +39,8 @@ class SkyVisibilityTest : public testing::Test {
   /// How many of a surface's rays first … first + count − 1 to a texel escape.
   int escaped(std::size_t layer, std::size_t texel, std::size_t lane, int first, int count) {
     rays_->rays.count = 0;
-    add_shadow_rays({surfaces_.layer(layer), surfaces_.hits(), texels_.patch(texel), lane_bit(lane),
-                     first, count, 0},
-                    *rays_);
+    add_shadow_rays(
+        {surfaces_, layer, texels_.patch(texel), lane_bit(lane), first, count, 0, kSeed}, *rays_);
     int lit = 0;
     for (std::size_t i = 0; i < rays_->rays.count; ++i) {
       const auto& o = rays_->rays.origin;
@@ -151,9 +151,9 @@ TEST_F(SkyVisibilityTest, OfPixelsWithManySurfacesIsThatOfARayAtATime) {
 TEST_F(SkyVisibilityTest, NothingOfTheGroupBeforeStays) {
   trace(test::random_samples({.rays = 8, .edges = true}, 3));
   visibility_->clear(1, texels_);
-  surfaces_.assign(test::random_samples({.rays = 8}, 4), 5);
+  surfaces_.assign(test::random_samples({.rays = 8}, 4));
   visibility_->responding(0, 5) = surfaces_.layer(0).lanes;
-  visibility_->trace(scene_, surfaces_, texels_);
+  visibility_->trace(scene_, surfaces_, texels_, kSeed);
   for (std::size_t texel = 0; texel < texels_.count(); ++texel) {
     const bool asked = texel == 5;
     EXPECT_TRUE(asked || visibility_->refined(0, texel) == 0);
