@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "core/base/check.h"
-#include "core/math/random.h"
 
 namespace rimlight {
 namespace {
@@ -51,20 +50,18 @@ void HitTable::reserve(std::size_t count) {
 
 void HitTable::add(const SurfaceHit& hit) {
   RIMLIGHT_CHECK(count_ < room_);
-  const Vec3f& p = hit.position;
   const Vec3f& g = hit.geometric_normal;
+  const Vec3f o = RayScene::ray_origin(hit, g);
   const Vec3f& s = hit.shading_normal;
   float* value = values_.data() + count_;
-  for (const float one : {p.x, p.y, p.z, hit.offset, g.x, g.y, g.z, s.x, s.y, s.z}) {
+  for (const float one : {o.x, o.y, o.z, g.x, g.y, g.z, s.x, s.y, s.z, hit.offset}) {
     *value = one;
     value += room_;
   }
   ++count_;
 }
 
-void GroupSurfaces::assign(const GroupSamples& samples, std::uint64_t seed) {
-  // Mixed first: the numbers of neighbouring seeds and lanes would meet.
-  const std::uint64_t mixed = mix_bits(seed);
+void GroupSurfaces::assign(const GroupSamples& samples) {
   layer_count_ = 0;
   lobes_.clear();
   hits_.clear();
@@ -72,7 +69,7 @@ void GroupSurfaces::assign(const GroupSamples& samples, std::uint64_t seed) {
   for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
     find_surfaces(samples, lane, found_);
     for (std::size_t layer = 0; layer < found_.size(); ++layer) {
-      add(found_[layer], lane, layer, mix_bits(mixed + layer * kGroupLanes + lane));
+      add(found_[layer], lane, layer);
     }
   }
 }
@@ -84,8 +81,7 @@ float GroupSurfaces::surfaces_per_pixel() const {
   return static_cast<float>(surfaces) / static_cast<float>(pixels);
 }
 
-void GroupSurfaces::add(const PixelSurface& surface, std::size_t lane, std::size_t layer,
-                        std::uint64_t seed) {
+void GroupSurfaces::add(const PixelSurface& surface, std::size_t lane, std::size_t layer) {
   if (layer == layer_count_) {
     SurfaceLayer blank;
     blank.hit_count.lane.fill(1);
@@ -109,8 +105,6 @@ void GroupSurfaces::add(const PixelSurface& surface, std::size_t lane, std::size
   to.first_hit[lane] = static_cast<std::int32_t>(hits_.size());
   to.hit_count[lane] = static_cast<std::int32_t>(surface.hits.size());
   to.hit_step[lane] = walk_step(to.hit_count[lane]);
-  to.seed_low[lane] = static_cast<std::int32_t>(seed);
-  to.seed_high[lane] = static_cast<std::int32_t>(seed >> 32);
   for (const SurfaceHit* hit : surface.hits) hits_.add(*hit);
 }
 

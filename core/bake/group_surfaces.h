@@ -1,28 +1,17 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "core/bake/group.h"
+#include "core/bake/lane_set.h"
 #include "core/bake/surface_groups.h"
 #include "core/bake/texel_quadrature.h"
 #include "core/base/aligned_vector.h"
 
 namespace rimlight {
-
-/// A set of a group's lanes: bit i for lane i.
-using LaneSet = std::uint64_t;
-static_assert(kGroupLanes == 64);
-constexpr LaneSet lane_bit(std::size_t lane) { return LaneSet{1} << lane; }
-
-/// Calls visit(lane) for the lanes of a set, from the first to the last.
-template <typename Visit>
-void for_each_lane(LaneSet lanes, const Visit& visit) {
-  for (; lanes != 0; lanes &= lanes - 1) visit(static_cast<std::size_t>(std::countr_zero(lanes)));
-}
 
 /// One number for each lane, ready for vector code.
 template <typename T>
@@ -44,14 +33,12 @@ struct SurfaceLayer {
   std::array<LaneVectors, kQuarters> geometric_normal;
   /// Lambert surfaces: share · albedo / π by channel. The others: 0.
   std::array<LaneArray<float>, 3> lambert;
-  /// The others: their places in GroupSurfaces::lobes.
+  /// The others, and where GroupSurfaces keeps them.
   LaneSet lobe_lanes = 0;
   LaneArray<std::int32_t> lobe;
   /// A surface's hits: hit_count of them (blank: 1) from first_hit of GroupSurfaces::hits. A walk
   /// in steps of hit_step, modulo hit_count, visits far ones first, and all in the end.
   LaneArray<std::int32_t> first_hit, hit_count, hit_step;
-  /// Of its random numbers: 64 bits.
-  LaneArray<std::int32_t> seed_low, seed_high;
 };
 
 /// A surface whose BRDF depends on both directions.
@@ -67,14 +54,17 @@ struct LobeSurface {
 /// What rays to the sky need of the hits of all surfaces: one array a component.
 class HitTable {
  public:
+  /// The first components of what there is of a hit; vectors have three. The origin is where rays
+  /// start on the side of the geometric normal: offset · normal clear of the surface.
+  static constexpr std::size_t kOrigin = 0, kGeometricNormal = 3, kShadingNormal = 6, kOffset = 9;
   static constexpr std::size_t kComponents = 10;
-  // Components: position x, y, z, offset, geometric normal x, y, z, shading normal x, y, z.
 
   void clear() { count_ = 0; }
   /// Room for `count` hits and a blank one.
   void reserve(std::size_t count);
   void add(const SurfaceHit& hit);
   std::size_t size() const { return count_; }
+  /// [size()]
   const float* component(std::size_t i) const { return values_.data() + i * room_; }
 
  private:
@@ -88,17 +78,20 @@ class HitTable {
 class GroupSurfaces {
  public:
   /// Finds all surfaces of `samples`.
-  void assign(const GroupSamples& samples, std::uint64_t seed);
+  void assign(const GroupSamples& samples);
 
   std::size_t layer_count() const { return layer_count_; }
   const SurfaceLayer& layer(std::size_t i) const { return layers_[i]; }
-  const std::vector<LobeSurface>& lobes() const { return lobes_; }
+  /// Of a lane of the layer's lobe_lanes.
+  const LobeSurface& lobe(std::size_t layer, std::size_t lane) const {
+    return lobes_[static_cast<std::size_t>(layers_[layer].lobe[lane])];
+  }
   const HitTable& hits() const { return hits_; }
   /// Of the pixels that have any.
   float surfaces_per_pixel() const;
 
  private:
-  void add(const PixelSurface& surface, std::size_t lane, std::size_t layer, std::uint64_t seed);
+  void add(const PixelSurface& surface, std::size_t lane, std::size_t layer);
 
   std::array<SurfaceLayer, kMostSurfaces> layers_;
   std::size_t layer_count_ = 0;

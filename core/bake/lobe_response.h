@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "core/bake/group_surfaces.h"
 #include "core/bake/texel_quadrature.h"
 
@@ -13,8 +11,8 @@ namespace rimlight {
 Vec3f lobe_response(const LobeSurface& lobe, const Quarters& quarters);
 
 /// Of the lanes that face a texel, those that respond to it: all Lambert surfaces, and lobes whose
-/// response is not zero. The latter's responses are appended, in order of lanes.
+/// response is not zero.
 LaneSet responding_lanes(const GroupSurfaces& surfaces, std::size_t layer, const Quarters& quarters,
-                         LaneSet facing, std::vector<Vec3f>& lobe_responses);
+                         LaneSet facing);
 
 }  // namespace rimlight

@@ -76,17 +76,18 @@ HWY_INLINE IntVector below(IntVector count, BitVector random) {
   return hn::Min(hn::ConvertTo(Ints(), place), hn::Sub(count, hn::Set(Ints(), 1)));
 }
 
-/// Of the rays `k` ≤ last_k of surfaces.
-HWY_INLINE Ends ray_ends(const SurfaceLayer& layer, std::size_t texel, IntVector lane, BitVector k,
-                         int last_k) {
+/// Of rays number `k` of lanes.
+HWY_INLINE Ends ray_ends(const ShadowRayRequest& request, IntVector lane, BitVector k) {
   const Bits u32;
   const Ints i32;
+  const SurfaceLayer& layer = request.surfaces.layer(request.layer);
   const auto scramble = [u32](BitVector bits) {
     return hn::Add(hn::Mul(bits, hn::Set(u32, 1664525u)), hn::Set(u32, 1013904223u));
   };
-  auto x = scramble(hn::Set(u32, static_cast<std::uint32_t>(texel)));
-  auto y = scramble(hn::BitCast(u32, pick(layer.seed_low, lane)));
-  auto z = scramble(hn::BitCast(u32, pick(layer.seed_high, lane)));
+  const auto surface = hn::Add(lane, hn::Set(i32, static_cast<int>(request.layer * kGroupLanes)));
+  auto x = scramble(hn::Set(u32, static_cast<std::uint32_t>(request.texel.texel + request.seed)));
+  auto y = scramble(hn::BitCast(u32, surface));
+  auto z = scramble(hn::Set(u32, static_cast<std::uint32_t>(request.seed >> 32)));
   mix(x, y, z);
   x = hn::Xor(x, hn::ShiftRight<16>(x));
   y = hn::Xor(y, hn::ShiftRight<16>(y));
@@ -97,6 +98,7 @@ HWY_INLINE Ends ray_ends(const SurfaceLayer& layer, std::size_t texel, IntVector
   const auto v = hn::Add(y, hn::Mul(k, hn::Set(u32, 2447445414u)));
   const auto hit_count = pick(layer.hit_count, lane);
   auto hit = below(hit_count, z);
+  const int last_k = request.first + request.count - 1;
   if (last_k > 0) {
     hit = hn::Add(hit, hn::Mul(hn::BitCast(i32, k), pick(layer.hit_step, lane)));
     for (int i = 0; i < last_k; ++i) {
@@ -107,22 +109,12 @@ HWY_INLINE Ends ray_ends(const SurfaceLayer& layer, std::size_t texel, IntVector
   return {fraction(u), fraction(v), hn::Add(pick(layer.first_hit, lane), hit)};
 }
 
-/// A hit for each lane.
-struct Hits {
-  VectorOf3 position, geometric_normal, shading_normal;
-  FloatVector offset;
-
-  HWY_INLINE Hits(const HitTable& table, IntVector index)
-      : position{gather(table, 0, index), gather(table, 1, index), gather(table, 2, index)},
-        geometric_normal{gather(table, 4, index), gather(table, 5, index), gather(table, 6, index)},
-        shading_normal{gather(table, 7, index), gather(table, 8, index), gather(table, 9, index)},
-        offset(gather(table, 3, index)) {}
-
-  static HWY_INLINE FloatVector gather(const HitTable& table, std::size_t component,
-                                       IntVector index) {
-    return hn::GatherIndex(Floats(), table.component(component), index);
-  }
-};
+HWY_INLINE FloatVector gather(const HitTable& hits, std::size_t component, IntVector hit) {
+  return hn::GatherIndex(Floats(), hits.component(component), hit);
+}
+HWY_INLINE VectorOf3 gather3(const HitTable& hits, std::size_t first, IntVector hit) {
+  return {gather(hits, first, hit), gather(hits, first + 1, hit), gather(hits, first + 2, hit)};
+}
 
 /// The middle of the quarter that is highest above the shading normal's horizon.
 HWY_INLINE VectorOf3 best_quarter(const Quarters& quarters, const VectorOf3& shading_normal) {
@@ -141,20 +133,26 @@ struct RayVector {
   VectorOf3 origin, direction;
 };
 
-HWY_INLINE RayVector ray_vector(const Hits& hits, const TexelPatch& texel, const Ends& ends,
+HWY_INLINE RayVector ray_vector(const ShadowRayRequest& request, const Ends& ends,
                                 hn::Mask<Floats> wanted) {
-  const auto zero = hn::Zero(Floats());
+  const Floats f32;
+  const TexelPatch& texel = request.texel;
+  const HitTable& hits = request.surfaces.hits();
   auto direction = mul_add(spread(texel.across), ends.u, spread(texel.corner));
   direction = mul_add(spread(texel.up), ends.v, direction);
-  const auto above = hn::And(hn::Gt(dot(hits.geometric_normal, direction), zero),
-                             hn::Gt(dot(hits.shading_normal, direction), zero));
-  auto offset = hits.offset;
-  if (!hn::AllFalse(Floats(), hn::AndNot(above, wanted))) {
-    direction = select(above, direction, best_quarter(*texel.quarters, hits.shading_normal));
-    const auto behind = hn::Lt(dot(hits.geometric_normal, direction), zero);
-    offset = hn::IfThenElse(behind, hn::Neg(offset), offset);
+  auto origin = gather3(hits, HitTable::kOrigin, ends.hit);
+  const auto geometric_normal = gather3(hits, HitTable::kGeometricNormal, ends.hit);
+  const auto shading_normal = gather3(hits, HitTable::kShadingNormal, ends.hit);
+  const auto above = hn::And(hn::Gt(dot(geometric_normal, direction), hn::Zero(f32)),
+                             hn::Gt(dot(shading_normal, direction), hn::Zero(f32)));
+  if (!hn::AllFalse(f32, hn::AndNot(above, wanted))) {
+    direction = select(above, direction, best_quarter(*texel.quarters, shading_normal));
+    // Behind the surface, rays start as far on its other side.
+    const auto behind = hn::Lt(dot(geometric_normal, direction), hn::Zero(f32));
+    const auto back = hn::Mul(gather(hits, HitTable::kOffset, ends.hit), hn::Set(f32, -2.0f));
+    origin = mul_add(geometric_normal, hn::IfThenElseZero(behind, back), origin);
   }
-  return {mul_add(hits.geometric_normal, offset, hits.position), direction};
+  return {origin, direction};
 }
 
 /// The rays' slots: all of one lane, then all of the next.
@@ -182,10 +180,8 @@ void add_shadow_rays_impl(const ShadowRayRequest& request, ShadowRays& rays) {
     const auto lane = hn::BitCast(i32, hn::And(slot, hn::Set(u32, kGroupLanes - 1)));
     const auto number = hn::Iota(u32, static_cast<std::uint32_t>(at - begin));
     const auto k = hn::Add(first_k, hn::And(number, k_mask));
-    const Ends ends =
-        ray_ends(request.layer, request.texel.texel, lane, k, request.first + request.count - 1);
-    const Hits hits(request.hits, ends.hit);
-    const RayVector ray = ray_vector(hits, request.texel, ends, hn::FirstN(f32, to.count - at));
+    const RayVector ray =
+        ray_vector(request, ray_ends(request, lane, k), hn::FirstN(f32, to.count - at));
     hn::StoreU(ray.origin.x, f32, to.origin[0].data() + at);
     hn::StoreU(ray.origin.y, f32, to.origin[1].data() + at);
     hn::StoreU(ray.origin.z, f32, to.origin[2].data() + at);
@@ -205,6 +201,7 @@ namespace rimlight {
 HWY_EXPORT(add_shadow_rays_impl);
 
 void add_shadow_rays(const ShadowRayRequest& request, ShadowRays& rays) {
+  RIMLIGHT_CHECK(request.first >= 0 && request.count > 0);
   RIMLIGHT_CHECK(std::has_single_bit(static_cast<unsigned>(request.count)));
   RIMLIGHT_CHECK_EQ(request.first_slot % kGroupLanes, 0u);
   RIMLIGHT_CHECK(rays.rays.count + static_cast<std::size_t>(request.count) * kGroupLanes <=

@@ -7,11 +7,6 @@
 namespace rimlight {
 namespace {
 
-/// Pixels with more surfaces than this, on average, show foliage and the like, whose rays meet
-/// different leaves. On the terrace, this rule's choice takes 2 % longer than the best for each
-/// group would.
-constexpr float kMostCoherentSurfaces = 1.7f;
-
 /// The lanes whose byte is 1; the others' are 0.
 LaneSet lanes_of_ones(const std::uint8_t* bytes) {
   // Moves the lowest bit of byte i to bit 56 + i; the products of no two bytes meet.
@@ -27,6 +22,12 @@ LaneSet lanes_of_ones(const std::uint8_t* bytes) {
 
 }  // namespace
 
+Coherence shadow_ray_coherence(const GroupSurfaces& surfaces) {
+  // On the terrace, this rule's choices take 2 % longer than the better way for each group would.
+  constexpr float kMostSurfacesPerPixel = 1.7f;
+  return surfaces.surfaces_per_pixel() < kMostSurfacesPerPixel ? Coherence::high : Coherence::low;
+}
+
 void SkyVisibility::clear(std::size_t layer_count, const TexelQuadrature& texels) {
   layer_count_ = layer_count;
   texel_count_ = texels.count();
@@ -37,9 +38,9 @@ void SkyVisibility::clear(std::size_t layer_count, const TexelQuadrature& texels
 }
 
 void SkyVisibility::trace(const RayScene& scene, const GroupSurfaces& surfaces,
-                          const TexelQuadrature& texels) {
-  coherence_ =
-      surfaces.surfaces_per_pixel() < kMostCoherentSurfaces ? Coherence::high : Coherence::low;
+                          const TexelQuadrature& texels, std::uint64_t seed) {
+  seed_ = seed;
+  coherence_ = shadow_ray_coherence(surfaces);
   cast(scene, surfaces, texels, responding_, 0, 1);
   find_refined(texels.cube_size());
   cast(scene, surfaces, texels, refined_, 1, kMoreShadowRays);
@@ -76,8 +77,7 @@ void SkyVisibility::cast(const RayScene& scene, const GroupSurfaces& surfaces,
       if (wanted == 0) continue;
       if (rays_.rays.count + most_rays > SkyRays::kCapacity) collect(scene);
       const auto slot = static_cast<std::uint32_t>(place(layer, texel) * kGroupLanes);
-      add_shadow_rays({surfaces.layer(layer), surfaces.hits(), patch, wanted, first, count, slot},
-                      rays_);
+      add_shadow_rays({surfaces, layer, patch, wanted, first, count, slot, seed_}, rays_);
     }
   }
   collect(scene);

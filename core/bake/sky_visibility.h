@@ -11,6 +11,10 @@
 
 namespace rimlight {
 
+/// Of the shadow rays of a group, in the order in which they are traced: high unless its pixels
+/// show many surfaces, as foliage does.
+Coherence shadow_ray_coherence(const GroupSurfaces& surfaces);
+
 /// How much of each texel of the sky the surfaces of a group see, by shadow rays: one to each texel
 /// that a surface responds to, and kMoreShadowRays more where the first ones around it disagree
 /// (surroundings.h). Reused from group to group, so that it stops allocating. One thread at a time.
@@ -29,8 +33,9 @@ class SkyVisibility {
     return responding_[place(layer, texel)];
   }
 
-  /// Casts the rays of the group's surfaces.
-  void trace(const RayScene& scene, const GroupSurfaces& surfaces, const TexelQuadrature& texels);
+  /// Casts the rays of the group's surfaces; `seed` as for add_shadow_rays().
+  void trace(const RayScene& scene, const GroupSurfaces& surfaces, const TexelQuadrature& texels,
+             std::uint64_t seed);
 
   /// The surfaces with 1 + kMoreShadowRays rays to the texel, instead of one.
   LaneSet refined(std::size_t layer, std::size_t texel) const {
@@ -61,6 +66,7 @@ class SkyVisibility {
   std::vector<LaneSet> responding_, refined_;  // [layer][texel]
   AlignedVector<std::uint8_t> lit_rays_;       // [layer][texel][lane]
   std::vector<LaneSet> lit_, dark_, mixed_;    // [texel], of all layers together
+  std::uint64_t seed_ = 0;
   Coherence coherence_ = Coherence::low;
   ShadowRays rays_;
   std::array<std::uint8_t, SkyRays::kCapacity> visible_{};

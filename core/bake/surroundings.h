@@ -2,7 +2,8 @@
 
 #include <span>
 
-#include "core/bake/group_surfaces.h"
+#include "core/bake/lane_set.h"
+#include "core/basis/cube_map.h"
 
 namespace rimlight {
 

@@ -104,9 +104,15 @@ RTCIntersectContext context_for(Coherence coherence) {
   return context;
 }
 
-/// Rays from `begin` on, up to a packet of them; those from `end` on are never traced.
-RTCRay16 packet_of(const SkyRays& rays, std::size_t begin, std::size_t end) {
+/// What is the same for every packet of rays to the sky.
+RTCRay16 blank_packet() {
   RTCRay16 packet{};
+  std::fill_n(packet.mask, kPacketSize, 0xffffffffu);
+  return packet;
+}
+
+/// The rest of a blank packet: rays from `begin` on. Those from `end` on are never traced.
+void set_packet(const SkyRays& rays, std::size_t begin, std::size_t end, RTCRay16& packet) {
   const auto copy = [begin](const SkyRays::Component& from, float* to) {
     std::copy_n(from.data() + begin, kPacketSize, to);
   };
@@ -116,19 +122,18 @@ RTCRay16 packet_of(const SkyRays& rays, std::size_t begin, std::size_t end) {
   copy(rays.direction[0], packet.dir_x);
   copy(rays.direction[1], packet.dir_y);
   copy(rays.direction[2], packet.dir_z);
-  const std::size_t count = std::min(kPacketSize, end - begin);
-  std::fill_n(packet.tfar, kPacketSize, -kInfinity);
-  std::fill_n(packet.tfar, count, kInfinity);
-  std::fill_n(packet.mask, kPacketSize, 0xffffffffu);
-  return packet;
+  for (std::size_t i = 0; i < kPacketSize; ++i) {
+    packet.tfar[i] = begin + i < end ? kInfinity : -kInfinity;
+  }
 }
 
 void trace_packets(RTCScene tree, const SkyRays& rays, std::span<std::uint8_t> visible) {
   alignas(64) std::array<int, kPacketSize> all;
   all.fill(-1);
+  RTCRay16 packet = blank_packet();
   RTCIntersectContext context = context_for(Coherence::high);
   for (std::size_t begin = 0; begin < rays.count; begin += kPacketSize) {
-    RTCRay16 packet = packet_of(rays, begin, rays.count);
+    set_packet(rays, begin, rays.count, packet);
     rtcOccluded16(all.data(), tree, &context, &packet);
     const std::size_t count = std::min(kPacketSize, rays.count - begin);
     for (std::size_t i = 0; i < count; ++i) visible[begin + i] = escaped(packet.tfar[i]);
