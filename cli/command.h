@@ -13,6 +13,7 @@ using Action = std::function<int()>;
 
 // Each adds its subcommand to the program's; parsing the arguments sets `chosen`.
 void add_bake_command(CLI::App& app, Action& chosen);
+void add_import_command(CLI::App& app, Action& chosen);
 void add_inspect_command(CLI::App& app, Action& chosen);
 void add_render_command(CLI::App& app, Action& chosen);
 void add_serve_command(CLI::App& app, Action& chosen);

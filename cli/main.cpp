@@ -28,6 +28,7 @@ int run(int argc, char** argv) {
       "`rimlight COMMAND --help` explains a command.");
   rimlight::Action chosen;
   rimlight::add_bake_command(program, chosen);
+  rimlight::add_import_command(program, chosen);
   rimlight::add_inspect_command(program, chosen);
   rimlight::add_render_command(program, chosen);
   rimlight::add_serve_command(program, chosen);

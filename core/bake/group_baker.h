@@ -15,6 +15,10 @@ class GroupBaker final : public GroupSource {
 
   const PixelLayout& layout() const override { return layout_; }
   int cube_size() const override { return haar_.size(); }
+  /// A texel's share of the sphere.
+  float typical_size() const override {
+    return 1 / static_cast<float>(haar_.size() * haar_.size());
+  }
   void find_rows(std::size_t first_receiver, BakedGroup& group) const override;
   /// Whether any primary ray of the group hits something.
   bool has_receivers(std::size_t first_receiver) const override;

@@ -25,6 +25,8 @@ class GroupSource {
 
   virtual const PixelLayout& layout() const = 0;
   virtual int cube_size() const = 0;  // N
+  /// About how large M's smaller numbers are: where the search for a compression begins. Above 0.
+  virtual float typical_size() const = 0;
   /// Fills all of `group`.
   virtual void find_rows(std::size_t first_receiver, BakedGroup& group) const = 0;
   /// Whether the group has any receiver: false where find_rows() would leave it empty.

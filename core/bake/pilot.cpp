@@ -17,13 +17,12 @@
 namespace rimlight {
 namespace {
 
-/// Steps tried: 2^(−k) · the solid angle of a texel, which M's numbers scale with.
+/// Steps tried: 2^(−k) · what the source says is the typical size of M's numbers.
 constexpr int kFirstOctave = 3;
 constexpr int kOctaves = 16;
 
-float step_of(int octave, int cube_size) {
-  return std::exp2(-static_cast<float>(kFirstOctave + octave)) /
-         static_cast<float>(cube_size * cube_size);
+float step_of(int octave, float typical_size) {
+  return std::exp2(-static_cast<float>(kFirstOctave + octave)) * typical_size;
 }
 
 /// A group's images under each light: as stored at each step, and of the whole transport.
@@ -63,8 +62,8 @@ void add_stored(const GroupRows& planes, const StorageStep& storage,
 }
 
 /// Fills by_step from a baked group, whose coefficients become planes.
-void store_at_each_step(const std::vector<CheckLight>& lights, BakedGroup& baked,
-                        PilotGroup& result) {
+void store_at_each_step(const std::vector<CheckLight>& lights, float typical_size,
+                        BakedGroup& baked, PilotGroup& result) {
   std::array<float, kGroupFloats> reflectance;
   find_reflectance(baked.coefficients.values, reflectance);
   to_planes(baked.coefficients.values, reflectance);
@@ -72,7 +71,7 @@ void store_at_each_step(const std::vector<CheckLight>& lights, BakedGroup& baked
   result.by_step.resize(kOctaves * stride);
   for (int octave = 0; octave < kOctaves; ++octave) {
     float* const sums = result.by_step.data() + static_cast<std::size_t>(octave) * stride;
-    add_stored(baked.coefficients, {step_of(octave, baked.coefficients.cube_size)}, lights, sums);
+    add_stored(baked.coefficients, {step_of(octave, typical_size)}, lights, sums);
     for (std::size_t at = 0; at < stride; at += kRowLanes) {
       for (std::size_t c = 0; c < 3; ++c) {
         pixel_haar_inverse(sums + at + c * kGroupLanes, kBlockReceivers);
@@ -149,10 +148,10 @@ float pilot_step(const GroupSource& source, const std::vector<std::size_t>& firs
     }
     groups[i].whole.resize(lights.size() * kRowLanes);
     multiply_rows(baked.coefficients, check_lights, groups[i].whole.data());
-    store_at_each_step(lights, baked, groups[i]);
+    store_at_each_step(lights, source.typical_size(), baked, groups[i]);
   });
   const auto psnr = worst_psnr(groups, lights);
-  const int size = source.cube_size();
+  const float size = source.typical_size();
   int octave = 0;
   while (octave < kOctaves - 1 && psnr[static_cast<std::size_t>(octave)] < psnr_db) ++octave;
   const auto found = static_cast<std::size_t>(octave);

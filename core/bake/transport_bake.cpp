@@ -190,6 +190,7 @@ class TransportBake {
     manifest.cube_size = haar_.size();
     manifest.camera = request_.camera;
     manifest.settings = request_.settings;
+    manifest.measured = request_.measured;
     for (std::size_t light = 0; light < lights_.size(); ++light) {
       manifest.measured["psnr_db"][lights_[light].name] = std::round(psnr[light] * 100) / 100;
     }

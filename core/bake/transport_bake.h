@@ -33,8 +33,9 @@ struct BakeSummary {
 struct BakeRequest {
   std::string scene;  // its name
   Camera camera;
-  std::vector<Environment> environments;  // at least one; the first is the default
-  nlohmann::json settings;                // for people: what it was baked with
+  std::vector<Environment> environments;               // at least one; the first is the default
+  nlohmann::json settings;                             // for people: what it was baked with
+  nlohmann::json measured = nlohmann::json::object();  // and what was measured before
   double psnr_db = 50;
   std::uint64_t seed = 1;
   std::uint64_t fingerprint = 0;  // of all that the source's rows depend on

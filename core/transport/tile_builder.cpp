@@ -11,8 +11,6 @@
 namespace rimlight {
 namespace {
 
-constexpr std::size_t kGroupReceivers = PixelLayout::kGroupReceivers;
-
 /// Whether any of a block's numbers rounds to a step or more. NaNs count, so that they are found.
 bool rounds_to_something(const float* block, float half_step) {
   bool any = false;
