@@ -49,7 +49,8 @@ void set_source(const AreaLightSource& light, int frame, TrackPose& pose) {
 
 void set_source(const PaintSource& paint, int frame, TrackPose& pose) {
   const int last = paint.frames - 1;
-  pose.amount = static_cast<double>(std::int64_t{std::min(frame, last)} * paint.spots / last);
+  const std::int64_t spots = std::int64_t{std::min(frame, last)} * paint.spots / last;
+  pose.amount = static_cast<double>(spots);
   if (pose.amount == 0) pose.rotation = {};
 }
 
@@ -102,7 +103,7 @@ std::optional<Quaternion> LightSequence::rotation_at(int frame) const {
 }
 
 LightEnvironments load_environments(const LightSequence& sequence,
-                                    std::shared_ptr<const Environment> given) {
+                                    const std::shared_ptr<const Environment>& given) {
   LightEnvironments environments;
   for (const std::string& name : sequence.light_names()) {
     if (name == kGivenLight) {

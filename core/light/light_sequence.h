@@ -96,6 +96,6 @@ using LightEnvironments = std::map<std::string, std::shared_ptr<const Environmen
 /// Makes or loads the environments that a sequence uses; `given` stands for "given" and may be null
 /// where that is not used. Throws Error naming the sequence or the file.
 LightEnvironments load_environments(const LightSequence& sequence,
-                                    std::shared_ptr<const Environment> given);
+                                    const std::shared_ptr<const Environment>& given);
 
 }  // namespace rimlight

@@ -174,7 +174,7 @@ LightTrack read_track(const JsonReader& json, const LightSequence& sequence) {
 }
 
 std::string read_name(const JsonReader& json) {
-  const std::string name = json.string();
+  std::string name = json.string();
   if (name.empty() || name.size() > kLongestName) {
     json.fail("a name of 1 to " + std::to_string(kLongestName) + " bytes");
   }

@@ -101,13 +101,13 @@ double DiscAdder::triangle(const Vec3d& a, const Vec3d& b) const {
 /// dφ = s dt / (s² + C² sin²(t − nearest)).
 double DiscAdder::edge_integral(const Interval& part, double sine, double cosine,
                                 double nearest) const {
-  static const std::vector<QuadraturePoint> kPoints = gauss_legendre(kQuadraturePoints);
+  static const std::vector<QuadraturePoint> points = gauss_legendre(kQuadraturePoints);
   if (!(part.begin < part.end)) return 0;
   const double half = 0.5 * (part.end - part.begin);
   const double centre = 0.5 * (part.end + part.begin) - nearest;
   const double width = high_ - low_;
   double sum = 0;
-  for (const QuadraturePoint& point : kPoints) {
+  for (const QuadraturePoint& point : points) {
     const double t = centre + half * point.position;
     const double v = std::clamp((high_ - cosine * std::cos(t)) / width, 0.0, 1.0);
     const double beyond = cosine * std::sin(t);

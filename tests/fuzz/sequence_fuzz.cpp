@@ -17,13 +17,13 @@ constexpr int kSize = 4;
 
 /// The same small environment for every name.
 LightEnvironments environments_for(const LightSequence& sequence) {
-  static const auto kEnvironment = [] {
+  static const auto environment = [] {
     RgbImage image(2, 1);
     image.pixels = {{1, 2, 3}, {1e4f, 0, 1}};
     return std::make_shared<const Environment>("tiny", std::move(image));
   }();
   LightEnvironments environments;
-  for (const std::string& name : sequence.light_names()) environments[name] = kEnvironment;
+  for (const std::string& name : sequence.light_names()) environments[name] = environment;
   return environments;
 }
 

@@ -110,8 +110,8 @@ TEST(EasedShare, RisesFromNoneToAllAndStays) {
 TEST(SpherePath, GoesThroughItsPointsAtOneSpeed) {
   Random random(81);
   for (int trial = 0; trial < 50; ++trial) {
-    std::vector<Vec3d> points;
-    for (int i = 0; i < 5; ++i) points.push_back(uniform_sphere(random_sample(random)));
+    std::vector<Vec3d> points(5);
+    for (Vec3d& point : points) point = uniform_sphere(random_sample(random));
     const SpherePath path(points);
     double way = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {

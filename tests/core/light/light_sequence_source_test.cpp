@@ -115,6 +115,13 @@ TEST(LightSequenceSource, ABandOfHertzBecomesWholeCycles) {
           "flicker": {"amount": 1, "band": [10, 10], "frames": 25}}]})",
       "s.json", ".");
   EXPECT_NEAR(exact.tracks[0].flicker->factor(6) + exact.tracks[0].flicker->factor(18), 2, 1e-12);
+  // As doubles, 15 · (124 / 60) is more than 31 and 27 · (260 / 60) less than 117.
+  for (const auto& [hertz, frames] : {std::pair{"15", "125"}, {"27", "261"}}) {
+    EXPECT_NO_THROW(parse_light_sequence(
+        R"({"tracks": [{"light": "given", "flicker": {"amount": 1, "band": [)" +
+            std::string(hertz) + ", " + hertz + "], \"frames\": " + frames + "}}]}",
+        "s.json", "."));
+  }
 }
 
 TEST(LightSequenceSource, MalformedTextAndOversizedFilesAreRefused) {

@@ -130,7 +130,8 @@ TEST(LightSequence, WhatHasNoMotionDoesNotMove) {
   const LightSequence sequence = with_tracks(
       R"({"light": "given"}, {"light": "given", "rotate": {"axis": [0, 1, 0], "frames": 9,
                                                            "degrees_per_frame": 0}},
-         {"area_light": {"radiance": 1, "path": [[1, 0, 0]], "angular_radius": 5, "frames": 8}})");
+         {"area_light": {"radiance": 1, "path": [[1, 0, 0]], "angular_radius": 5, "frames": 8},
+          "rotate": {"axis": [1, 0, 0], "degrees_per_frame": 9, "frames": 9}})");
   LightSequencePlayer player = player_of(sequence);
   const CubeLight first = player.at(0).light;
   for (int frame = 0; frame < sequence.frame_count(); ++frame) {
@@ -199,6 +200,18 @@ TEST(LightSequence, ABlendStartsAndEndsExactlyAtItsLights) {
     const Vec3d expected = integral(from) * (1 - share) + integral(to) * share;
     EXPECT_LE(relative_difference(energy, expected), 1e-6);
   }
+}
+
+TEST(LightSequence, ATurnTakesBothEndsOfABlendWithIt) {
+  const LightSequence sequence = with_tracks(kTracks[5]);
+  LightSequencePlayer player = player_of(sequence);
+  LightRotator rotator(environments().at("given")->project(kSize));
+  CubeLight expected;
+  const TrackPose end = pose_at(sequence.tracks[0], 10);
+  EXPECT_EQ(end.amount, 1);
+  rotator.rotate(end.rotation, expected);
+  for (float& value : expected.values) value *= static_cast<float>(end.factor);
+  EXPECT_TRUE(same_bits(player.at(10).light, expected));
 }
 
 TEST(LightSequence, AnAreaLightKeepsItsRadianceTimesItsSolidAngle) {

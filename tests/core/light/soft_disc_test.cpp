@@ -31,12 +31,14 @@ double mean_coverage(const SoftDisc& disc, std::size_t texel, int size, int n) {
   const int index = static_cast<int>(texel);
   const int face = index / (size * size), row = index / size % size, column = index % size;
   double sum = 0, weight = 0;
-  for (int i = 0; i < n * n; ++i) {
-    const double x = 2 * (column + (i % n + 0.5) / n) / size - 1;
-    const double y = 2 * (row + (i / n + 0.5) / n) / size - 1;
-    const double density = std::pow(1 + x * x + y * y, -1.5);
-    sum += density * coverage(disc, cube::direction({face, x, y}));
-    weight += density;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      const double x = 2 * (column + (i + 0.5) / n) / size - 1;
+      const double y = 2 * (row + (j + 0.5) / n) / size - 1;
+      const double density = std::pow(1 + x * x + y * y, -1.5);
+      sum += density * coverage(disc, cube::direction({face, x, y}));
+      weight += density;
+    }
   }
   return sum / weight;
 }
