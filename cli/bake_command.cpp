@@ -52,15 +52,16 @@ int run(const BakeOptions& options) {
     const nlohmann::json result = {{"bake", folder.string()},
                                    {"seconds", summary.seconds},
                                    {"resumed_tiles", summary.resumed_tiles},
-                                   {"blocks", summary.blocks},
+                                   {"transport_bytes", summary.bytes},
                                    {"worst_psnr_db", summary.worst_psnr_db},
                                    {"worst_light", summary.worst_light},
                                    {"dropped_triangles", scene->dropped_triangles}};
     std::printf("%s\n", result.dump().c_str());
   } else {
-    std::fprintf(stderr, "%s: %.0f s, %zu blocks, %.1f dB under its worst check light (%s)\n",
-                 folder.c_str(), summary.seconds, summary.blocks, summary.worst_psnr_db,
-                 summary.worst_light.c_str());
+    std::fprintf(stderr,
+                 "%s: %.0f s, %.1f MiB of transport, %.1f dB under its worst check light (%s)\n",
+                 folder.c_str(), summary.seconds, static_cast<double>(summary.bytes) / (1 << 20),
+                 summary.worst_psnr_db, summary.worst_light.c_str());
   }
   return 0;
 }

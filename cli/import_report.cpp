@@ -24,7 +24,7 @@ nlohmann::json describe(const ImportSummary& summary, const std::filesystem::pat
           {"largest_weight_of", summary.largest_direction},
           {"median_weight", summary.median_weight},
           {"resampling", resampling},
-          {"blocks", summary.blocks},
+          {"transport_bytes", summary.bytes},
           {"worst_psnr_db", summary.worst_psnr_db},
           {"worst_light", summary.worst_light}};
 }
@@ -47,9 +47,9 @@ void warn(const ImportSummary& summary) {
 }
 
 void print(const ImportSummary& summary, const std::filesystem::path& folder) {
-  std::fprintf(stderr, "%s: %.0f s, %zu directions on 6 × %d × %d texels, %zu blocks\n",
+  std::fprintf(stderr, "%s: %.0f s, %zu directions on 6 × %d × %d texels, %.1f MiB of transport\n",
                folder.c_str(), summary.seconds, summary.directions, summary.cube_size,
-               summary.cube_size, summary.blocks);
+               summary.cube_size, static_cast<double>(summary.bytes) / (1 << 20));
   std::fprintf(stderr, "  resampling:");
   for (const ResamplingError& error : summary.resampling) {
     std::fprintf(stderr, " %s %.1f dB,", error.light.c_str(), error.psnr_db);

@@ -1,4 +1,6 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -21,28 +23,41 @@ struct InspectOptions {
   bool json = false;
 };
 
+constexpr std::array<const char*, kWidths> kWidthNames = {"float", "16-bit", "8-bit", "4-bit"};
+constexpr std::array<const char*, kPlanes> kPlaneNames = {"luma", "chroma_red", "chroma_blue"};
+
 /// What a band of the bake holds.
 json describe_band(const Bake& bake, const CubeHaar& haar, int band) {
   const TransportView& transport = bake.transport();
-  std::size_t blocks = 0;
-  std::size_t runs = 0;
+  std::array<std::size_t, kWidths> by_width{};
+  std::array<std::size_t, kPlanes> by_plane{};
+  std::size_t runs = 0, blocks = 0, bytes = 0;
   for (std::size_t tile = 0; tile < transport.tile_count(); ++tile) {
     for (std::size_t column = haar.band_begin(band); column < haar.band_begin(band + 1); ++column) {
-      const std::size_t count = transport.run(tile, column).block_index.size();
-      blocks += count;
-      runs += count > 0 ? 1 : 0;
+      const ColumnRun run = transport.run(tile, column);
+      if (run.empty()) continue;
+      ++runs;
+      bytes += run.words().size_bytes();
+      for (std::size_t section = 0; section < ColumnRun::kSections; ++section) {
+        const std::size_t count = run.counts()[section];
+        by_width[section / kPlanes] += count;
+        by_plane[section % kPlanes] += count;
+        blocks += count;
+      }
     }
   }
   const std::size_t columns = haar.band_begin(band + 1) - haar.band_begin(band);
   const double all = static_cast<double>(columns) * static_cast<double>(transport.tile_count()) *
                      static_cast<double>(kTileBlocks);
-  constexpr std::size_t kBytesPerBlock = sizeof(std::uint16_t) * (1 + kBlockFloats);
-  return {{"band", band},
-          {"columns", columns},
-          {"runs", runs},
-          {"blocks", blocks},
-          {"density", static_cast<double>(blocks) / all},
-          {"bytes", blocks * kBytesPerBlock}};
+  json result = {{"band", band},
+                 {"columns", columns},
+                 {"runs", runs},
+                 {"blocks", blocks},
+                 {"density", static_cast<double>(by_plane[0]) / all},
+                 {"bytes", bytes}};
+  for (std::size_t i = 0; i < kWidths; ++i) result["blocks_by_width"][kWidthNames[i]] = by_width[i];
+  for (std::size_t i = 0; i < kPlanes; ++i) result["blocks_by_plane"][kPlaneNames[i]] = by_plane[i];
+  return result;
 }
 
 json describe(const Bake& bake) {
@@ -56,7 +71,7 @@ json describe(const Bake& bake) {
                  {"height", manifest.pixels.height},
                  {"cube_size", manifest.cube_size},
                  {"columns", bake.transport().column_count()},
-                 {"blocks", bake.transport().block_count()},
+                 {"transport_bytes", bake.transport().byte_count()},
                  {"settings", manifest.settings},
                  {"measured", manifest.measured},
                  {"left_out", manifest.left_out},
@@ -87,11 +102,19 @@ void print(const json& bake, bool verified) {
               bake["width"].get<int>(), bake["height"].get<int>(), bake["cube_size"].get<int>(),
               bake["cube_size"].get<int>(), mebibytes(bake["bytes"]),
               verified ? ", every checksum right" : "");
-  std::printf("\n  band  columns     blocks  density       MiB\n");
+  std::printf(
+      "\n  band  columns  density  blocks: float  16-bit    8-bit    4-bit  chroma       MiB\n");
   for (const json& band : bake["bands"]) {
-    std::printf("  %4d  %7zu  %9zu  %6.2f %%  %8.1f\n", band["band"].get<int>(),
-                band["columns"].get<std::size_t>(), band["blocks"].get<std::size_t>(),
-                100 * band["density"].get<double>(), mebibytes(band["bytes"]));
+    const json& width = band["blocks_by_width"];
+    const auto blocks = std::max<std::size_t>(band["blocks"].get<std::size_t>(), 1);
+    const auto luma = band["blocks_by_plane"]["luma"].get<std::size_t>();
+    std::printf("  %4d  %7zu  %5.1f %%  %13zu %7zu %8zu %8zu  %4.0f %%  %8.1f\n",
+                band["band"].get<int>(), band["columns"].get<std::size_t>(),
+                100 * band["density"].get<double>(), width["float"].get<std::size_t>(),
+                width["16-bit"].get<std::size_t>(), width["8-bit"].get<std::size_t>(),
+                width["4-bit"].get<std::size_t>(),
+                100 - 100 * static_cast<double>(luma) / static_cast<double>(blocks),
+                mebibytes(band["bytes"]));
   }
   std::printf("\n  file                        MiB\n");
   for (const json& file : bake["files"]) {

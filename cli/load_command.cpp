@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <thread>
@@ -11,18 +12,22 @@
 #include "cli/command.h"
 #include "cli/load_client.h"
 #include "cli/load_report.h"
+#include "core/light/light_sequence_source.h"
 #include "server/session/baked_scene.h"
 
 namespace rimlight {
 namespace {
+
+constexpr double kDefaultSeconds = 5;
 
 struct LoadOptions {
   std::string url = "ws://127.0.0.1:8080";
   std::string scene;
   std::string bake;
   std::string script;
+  std::string sequence;
   int clients = 1;
-  double seconds = 5;
+  std::optional<double> seconds;
   bool shared_session = false;
   bool json = false;
 };
@@ -44,9 +49,26 @@ std::string session_name(const std::string& run, const LoadOptions& options, std
   return options.shared_session ? run : run + "-" + std::to_string(client);
 }
 
+/// What all clients play together, and for how long.
+struct Plan {
+  LoadScript script;
+  double seconds = kDefaultSeconds;
+};
+
+Plan plan_of(const LoadOptions& options) {
+  if (!options.sequence.empty()) {
+    const LightSequence sequence = find_light_sequence(options.sequence, "--sequence");
+    Plan plan{sequence_script(sequence), sequence.seconds(sequence.frame_count())};
+    plan.seconds = options.seconds.value_or(plan.seconds);
+    return plan;
+  }
+  const double seconds = options.seconds.value_or(kDefaultSeconds);
+  return {options.script.empty() ? default_script(seconds) : read_script(options.script, seconds),
+          seconds};
+}
+
 std::vector<LoadRecord> play_all(const LoadOptions& options) {
-  const LoadScript script = options.script.empty() ? default_script(options.seconds)
-                                                   : read_script(options.script, options.seconds);
+  const Plan plan = plan_of(options);
   const std::string run = "load-" + std::to_string(std::random_device{}());
   const auto count = static_cast<std::size_t>(options.clients);
   const auto start = std::chrono::steady_clock::now() + std::chrono::milliseconds(300);
@@ -61,9 +83,9 @@ std::vector<LoadRecord> play_all(const LoadOptions& options) {
                                             session_name(run, options, i),
                                             options.scene,
                                             start,
-                                            options.seconds,
+                                            plan.seconds,
                                             10};
-          records[i] = play(settings, part_of(script, options, i));
+          records[i] = play(settings, part_of(plan.script, options, i));
         } catch (...) {
           failures[i] = std::current_exception();
         }
@@ -81,8 +103,9 @@ int load(LoadOptions options) {
     options.scene = server::scene_name(options.bake);
   }
   const std::vector<LoadRecord> records = play_all(options);
+  const bool is_default = options.script.empty() && options.sequence.empty();
   LoadReport report =
-      summarize(records, options.script.empty() ? ScriptKind::every_edit_changes : ScriptKind::any);
+      summarize(records, is_default ? ScriptKind::every_edit_changes : ScriptKind::any);
   report.checks.push_back(compare_with_bake(records, options.bake));
   const std::string text = options.json ? report.to_json().dump() + "\n" : report.to_text();
   std::fputs(text.c_str(), stdout);
@@ -99,16 +122,21 @@ void add_load_command(CLI::App& app, Action& chosen) {
   command->add_option("--clients", options->clients, "How many")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--seconds", options->seconds, "How long the script plays")
-      ->check(CLI::Range(0.1, 3600.0))
-      ->capture_default_str();
+  command
+      ->add_option("--seconds", options->seconds,
+                   "How long the script plays [5, or the sequence's own length]")
+      ->check(CLI::Range(0.1, 3600.0));
   command->add_flag("--shared-session", options->shared_session,
                     "All clients open one session and play the script together");
   command->add_option("--scene", options->scene, "The scene to open [the server's default]");
   command->add_option("--bake", options->bake,
                       "The bake that is served: the last frame must equal its render");
-  command->add_option("--script", options->script,
-                      "A JSON file of timed edits [a turn about y, ever faster]");
+  CLI::Option* const script = command->add_option(
+      "--script", options->script, "A JSON file of timed edits [a turn about y, ever faster]");
+  command
+      ->add_option("--sequence", options->sequence,
+                   "A light sequence that only rotates: \"rotation\" or a .json file")
+      ->excludes(script);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &chosen] { chosen = [options] { return load(*options); }; });
 }

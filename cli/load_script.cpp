@@ -81,6 +81,24 @@ LoadScript read_script(const std::filesystem::path& file, double seconds) {
   return script;
 }
 
+LoadScript sequence_script(const LightSequence& sequence) {
+  const std::optional<std::string> light = sequence.rotated_light();
+  if (!light) {
+    throw Error("sequence " + quote(sequence.name), "light that edits of a session cannot show",
+                "one track of one light, which may rotate");
+  }
+  LoadScript script;
+  for (int frame = 0; frame < sequence.frame_count(); ++frame) {
+    if (frame > 0 && !sequence.is_moving(frame)) continue;
+    ScriptedEdit edit;
+    edit.at_ms = sequence.seconds(frame) * 1e3;
+    edit.rotation = sequence.rotation_at(frame);
+    if (frame == 0 && *light != kGivenLight) edit.environment = *light;
+    script.edits.push_back(std::move(edit));
+  }
+  return script;
+}
+
 std::string edit_message(const ScriptedEdit& edit, const std::string& id) {
   nlohmann::json message{{"type", "edit"}, {"id", id}};
   if (edit.rotation) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/light/light_sequence.h"
 #include "core/math/rotation.h"
 
 namespace rimlight {
@@ -29,6 +30,10 @@ LoadScript default_script(double seconds);
 /// Reads a script (docs/protocol/load-script.md); `seconds` repeats or cuts it. Throws Error naming
 /// file and field.
 LoadScript read_script(const std::filesystem::path& file, double seconds);
+
+/// The edits that show a light sequence, one for each frame that moves, and one to begin with.
+/// Throws Error for a sequence that edits cannot show (docs/formats/light_sequence.md).
+LoadScript sequence_script(const LightSequence& sequence);
 
 /// The edit as a message of the protocol.
 std::string edit_message(const ScriptedEdit& edit, const std::string& id);

@@ -10,6 +10,8 @@
 
 #include "cli/command.h"
 #include "cli/serve_config.h"
+#include "core/base/error.h"
+#include "core/relight/policy_settings.h"
 #include "core/transport/bake_folder.h"
 #include "server/schedule/render_queue.h"
 #include "server/session/baked_scene.h"
@@ -23,9 +25,27 @@ struct ServeOptions {
   std::string web;
   std::optional<std::string> host;
   std::optional<std::uint16_t> port;
-  std::optional<std::size_t> coefficients;
+  std::string budget;
+  std::string policy;
   bool json = false;
 };
+
+/// What is wrong with the text of an option; empty when nothing is.
+template <typename Parse>
+std::string fault_of(const Parse& parse) {
+  try {
+    parse();
+    return {};
+  } catch (const Error& error) {
+    return "found " + error.found() + ", expected " + error.expected();
+  }
+}
+std::string policy_fault(const std::string& text) {
+  return fault_of([&text] { parse_policy(text, "--policy"); });
+}
+std::string budget_fault(const std::string& text) {
+  return fault_of([&text] { parse_budget(text, "--budget"); });
+}
 
 /// The configuration file, if there is one, overruled by the options.
 ServeConfig merge(const ServeOptions& options) {
@@ -34,7 +54,8 @@ ServeConfig merge(const ServeOptions& options) {
   if (!options.web.empty()) config.web = options.web;
   if (options.host) config.network.host = *options.host;
   if (options.port) config.network.port = *options.port;
-  if (options.coefficients) config.relight.coefficient_budget = *options.coefficients;
+  if (!options.budget.empty()) config.relight.budget = parse_budget(options.budget, "--budget");
+  if (!options.policy.empty()) config.relight.policy = parse_policy(options.policy, "--policy");
   if (config.web.empty()) config.web = find_web_folder();
   return config;
 }
@@ -84,9 +105,16 @@ void add_serve_command(CLI::App& app, Action& chosen) {
   command->add_option("--port", options->port, "The port; 0 takes a free one [8080]");
   command->add_option("--web", options->web, "The page's folder [found near the program]");
   command
-      ->add_option("--coefficients,--session-budget", options->coefficients,
-                   "Columns that a frame in motion may apply [30]")
-      ->check(CLI::Range(1, 1 << 20));
+      ->add_option("--budget", options->budget,
+                   "What a frame in motion may cost: 30 (columns of the transport), 2MB (of it) or "
+                   "8ms (from the edit to its pixels) [8ms]")
+      ->check(budget_fault, "BUDGET");
+  command
+      ->add_option("--policy", options->policy,
+                   "How frames in motion are approximated: linear, nwa, bi, pbi or benefit; then, "
+                   "after colons, a band test of pbi (simple, dealer, exhaustive) and a selection "
+                   "of nwa, bi and pbi (unweighted, area, transport) [benefit]")
+      ->check(policy_fault, "POLICY");
   command->add_flag("--json", options->json, "Print {\"address\": …} when ready");
   command->callback([options, &chosen] { chosen = [options] { return serve(*options); }; });
 }

@@ -12,7 +12,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestConfig = 1 << 20;
-constexpr std::int64_t kMostCoefficients = 1 << 20;
 constexpr std::int64_t kLongestSeconds = 86400;
 
 /// Sets `value` from an optional whole-number member.
@@ -45,9 +44,11 @@ void read_sessions(const JsonReader& reader, ServeConfig& config) {
   read_duration(reader, "session_idle_seconds", 0, kLongestSeconds, config.sessions.idle);
   read_duration(reader, "quiet_ms", 0, 60000, config.sessions.session.quiet);
   read_whole(reader, "jpeg_quality", 1, 100, config.sessions.session.jpeg_quality);
-  read_whole(reader, "coefficients", 1, kMostCoefficients, config.relight.coefficient_budget);
+  if (const auto budget = reader.optional_member("budget")) {
+    config.relight.budget = parse_budget(budget->string(), budget->where());
+  }
   if (const auto policy = reader.optional_member("policy")) {
-    config.relight.policy = policy->one_of({"nwa", "pbi"}) == 0 ? PolicyKind::nwa : PolicyKind::pbi;
+    config.relight.policy = parse_policy(policy->string(), policy->where());
   }
 }
 
@@ -58,7 +59,7 @@ ServeConfig read_serve_config(const fs::path& file) {
   const JsonReader reader(document, file.string());
   reader.allow_only({"bakes", "web", "host", "port", "network_threads", "most_connections",
                      "idle_timeout_seconds", "most_sessions", "session_idle_seconds", "quiet_ms",
-                     "jpeg_quality", "coefficients", "policy"});
+                     "jpeg_quality", "budget", "policy"});
   ServeConfig config;
   if (const auto bakes = reader.optional_member("bakes")) {
     for (const JsonReader& bake : bakes->elements(1, 1000)) {

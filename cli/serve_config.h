@@ -14,7 +14,8 @@ namespace rimlight {
 struct ServeConfig {
   std::vector<std::filesystem::path> bakes;  // the first is the default scene
   std::filesystem::path web;                 // empty: beside the program
-  RelightSettings relight;
+  // Near enough to exact that nobody sees it, in the time of half a frame at 60 a second.
+  RelightSettings relight{{PolicyKind::benefit}, {FrameBudget::Unit::milliseconds, 8}};
   server::NetworkSettings network;
   server::RegistrySettings sessions;
 };

@@ -48,6 +48,12 @@ std::vector<double> check_exposures(const std::vector<CheckLight>& lights,
   return scales;
 }
 
+std::vector<CubeLight> coefficients_of(const std::vector<CheckLight>& lights) {
+  std::vector<CubeLight> result;
+  for (const CheckLight& light : lights) result.push_back(light.coefficients);
+  return result;
+}
+
 CubeLight to_coefficients(const CubeHaar& haar, CubeLight texels) {
   CubeLight coefficients(haar.size());
   for (int c = 0; c < 3; ++c) haar.forward(texels.channel(c), coefficients.channel(c));

@@ -30,6 +30,9 @@ std::vector<double> check_exposures(const std::vector<CheckLight>& lights,
 /// rotations, the same for every scene of a cube size.
 std::vector<CheckLight> make_check_lights(const CubeHaar& haar);
 
+/// Their coefficients alone.
+std::vector<CubeLight> coefficients_of(const std::vector<CheckLight>& lights);
+
 /// The Haar coefficients of a light's texels, channel by channel.
 CubeLight to_coefficients(const CubeHaar& haar, CubeLight texels);
 

@@ -7,6 +7,7 @@
 #include "core/base/parallel.h"
 #include "core/image/metrics.h"
 #include "core/transport/column_kernel.h"
+#include "core/transport/receiver_planes.h"
 #include "core/transport/receivers.h"
 
 namespace rimlight {
@@ -22,12 +23,10 @@ std::vector<ColumnDelta> all_columns(const CubeLight& light) {
   return deltas;
 }
 
-std::vector<Vec3f> covered(const Radiance& radiance, const std::vector<float>& coverage) {
+std::vector<Vec3f> covered(const ReceiverValues& radiance, const std::vector<float>& coverage) {
   std::vector<Vec3f> result;
   for (std::size_t receiver = 0; receiver < kTileReceivers; ++receiver) {
-    if (!(coverage[receiver] > 0)) continue;
-    result.emplace_back(radiance.at(receiver, 0), radiance.at(receiver, 1),
-                        radiance.at(receiver, 2));
+    if (coverage[receiver] > 0) result.push_back(radiance.at(receiver));
   }
   return result;
 }
@@ -50,27 +49,28 @@ double worst(const std::vector<double>& psnr) {
 }  // namespace
 
 LightImages compressed_images(const TileStore& store, std::span<const CubeLight> lights,
-                              float threshold) {
+                              float least_energy) {
   std::vector<std::vector<ColumnDelta>> deltas;
   for (const CubeLight& light : lights) deltas.push_back(all_columns(light));
-  const std::vector<float> weights(store.shape().columns, 1.0f);
   std::vector<LightImages> tiles(store.shape().tiles, LightImages(lights.size()));
   parallel_for(tiles.size(), [&](std::size_t tile) {
-    const TileTransport kept = prune(store.transport(tile), weights, threshold);
-    const std::array<std::uint64_t, 2> blocks = {0, kept.block_count()};
+    const TileTransport kept = prune(store.transport(tile), least_energy);
+    const std::array<std::uint64_t, 2> words = {0, kept.runs.size()};
     const TransportView view({.tile_count = 1,
                               .column_count = kept.column_count(),
-                              .tile_first_block = blocks,
-                              .column_offset = kept.column_offset,
-                              .column_scale = kept.column_scale,
-                              .block_index = kept.block_index,
-                              .values = kept.value},
+                              .column_step = kept.column_step,
+                              .tile_first_word = words,
+                              .run_offset = kept.run_offset,
+                              .runs = kept.runs},
                              "a finished tile");
-    const std::vector<float> coverage = store.check(tile).coverage;
+    const TileCheck check = store.check(tile);
+    ReceiverValues reflectance(1);
+    for (std::size_t i = 0; i < kTileReceivers; ++i) reflectance.set(i, check.reflectance[i]);
     for (std::size_t light = 0; light < lights.size(); ++light) {
-      Radiance radiance(1);
-      add_columns(view, 0, deltas[light], radiance.tile(0));
-      tiles[tile][light] = covered(radiance, coverage);
+      ReceiverValues held(1);
+      add_columns(view, 0, deltas[light], held.tile(0));
+      restore_radiance(held.tile_span(0), reflectance.tile_span(0));
+      tiles[tile][light] = covered(held, check.coverage);
     }
   });
   return join(tiles, lights.size());
@@ -100,24 +100,25 @@ std::vector<double> measure_psnr(const LightImages& images, const LightImages& r
   return result;
 }
 
-float choose_threshold(const TileStore& store, std::span<const CubeLight> lights,
-                       const LightImages& references, const std::vector<double>& exposures,
-                       float first_threshold, double psnr_db) {
-  const auto threshold_of = [first_threshold](int step) {
-    return first_threshold * std::exp2(static_cast<float>(step) / 8);
+std::optional<float> choose_least_energy(const TileStore& store, std::span<const CubeLight> lights,
+                                         const LightImages& references,
+                                         const std::vector<double>& exposures, float first,
+                                         double psnr_db) {
+  const auto energy_of = [first](int step) {
+    return first * std::exp2(static_cast<float>(step) / 4);
   };
   const auto good = [&](int step) {
-    const auto images = compressed_images(store, lights, threshold_of(step));
+    const auto images = compressed_images(store, lights, energy_of(step));
     return worst(measure_psnr(images, references, exposures)) >= psnr_db;
   };
-  if (!good(0)) return 0;
+  if (!good(0)) return std::nullopt;
   int holds = 0;
   int fails = 17;
   while (fails - holds > 1) {
     const int middle = (holds + fails) / 2;
     (good(middle) ? holds : fails) = middle;
   }
-  return threshold_of(holds);
+  return energy_of(holds);
 }
 
 }  // namespace rimlight

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,10 +11,10 @@
 
 namespace rimlight {
 
-/// Each covered receiver under each light, from the stored tiles pruned at `threshold`: what a bake
-/// of them would show. In parallel over tiles; memory: the images and one tile a thread.
+/// Each covered receiver under each light, from the stored tiles pruned at `least_energy`: what a
+/// bake of them would show. In parallel over tiles; memory: the images and one tile a thread.
 LightImages compressed_images(const TileStore& store, std::span<const CubeLight> lights,
-                              float threshold);
+                              float least_energy);
 
 /// The same from the check images: made before anything was left out.
 LightImages reference_images(const TileStore& store);
@@ -22,10 +23,11 @@ LightImages reference_images(const TileStore& store);
 std::vector<double> measure_psnr(const LightImages& images, const LightImages& references,
                                  const std::vector<double>& exposures);
 
-/// The largest threshold of first_threshold · 2^(k/8), k = 0 … 16, at which every light still has
-/// `psnr_db`; 0 when the first has not.
-float choose_threshold(const TileStore& store, std::span<const CubeLight> lights,
-                       const LightImages& references, const std::vector<double>& exposures,
-                       float first_threshold, double psnr_db);
+/// The largest least energy of first · 2^(k/4), k = 0 … 16, at which every light still has
+/// `psnr_db`; nothing when the first has not.
+std::optional<float> choose_least_energy(const TileStore& store, std::span<const CubeLight> lights,
+                                         const LightImages& references,
+                                         const std::vector<double>& exposures, float first,
+                                         double psnr_db);
 
 }  // namespace rimlight

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include "core/bake/group.h"
+#include "core/bake/texel_quadrature.h"
 #include "core/scene/ray_scene.h"
 
 namespace rimlight {
@@ -22,16 +22,14 @@ class DirectTransport {
  public:
   /// Keeps the scene; `cube_size` is N.
   DirectTransport(const RayScene& scene, int cube_size);
-  ~DirectTransport();
 
   /// Adds the direct transport of a group to its rows. Any thread; the result depends on samples
   /// and seed alone.
   void add(const GroupSamples& samples, std::uint64_t seed, GroupRows& rows) const;
 
  private:
-  struct Tables;
   const RayScene& scene_;
-  std::unique_ptr<Tables> tables_;
+  TexelQuadrature texels_;
 };
 
 }  // namespace rimlight

@@ -1,8 +1,9 @@
 #include "core/bake/group_baker.h"
 
 #include <algorithm>
+#include <memory>
 
-#include "core/bake/lane_kernel.h"
+#include "core/math/random.h"
 
 namespace rimlight {
 namespace {
@@ -16,40 +17,38 @@ IndirectSettings indirect_settings(const BakeSettings& settings) {
 
 }  // namespace
 
-GroupBaker::GroupBaker(const RayScene& scene, const std::vector<CheckLight>& check_lights)
+GroupBaker::GroupBaker(const RayScene& scene)
     : scene_(scene),
       layout_{scene.scene().bake.width, scene.scene().bake.height},
       haar_(scene.scene().bake.cube_size),
       direct_(scene, haar_.size()),
-      indirect_(scene, indirect_settings(scene.scene().bake)) {
-  for (const CheckLight& light : check_lights) check_lights_.push_back(light.coefficients);
-}
+      indirect_(scene, indirect_settings(scene.scene().bake)) {}
 
-bool GroupBaker::sees_geometry(std::size_t first_receiver) const {
+bool GroupBaker::has_receivers(std::size_t first_receiver) const {
   const BakeSettings& settings = scene_.scene().bake;
   GroupSamples samples;
   sample_group(scene_, layout_, first_receiver, settings.primary_rays, settings.seed, samples);
   return !samples.empty();
 }
 
-void GroupBaker::bake(std::size_t first_receiver, BakedGroup& group) const {
+void GroupBaker::find_rows(std::size_t first_receiver, BakedGroup& group) const {
   const BakeSettings& settings = scene_.scene().bake;
-  sample_group(scene_, layout_, first_receiver, settings.primary_rays, settings.seed,
-               group.samples_);
+  thread_local GroupSamples samples;
+  sample_group(scene_, layout_, first_receiver, settings.primary_rays, settings.seed, samples);
   for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
-    group.coverage[lane] = group.samples_.coverage(lane);
+    group.coverage[lane] = samples.coverage(lane);
   }
-  group.empty = group.samples_.empty();
-  if (group.empty) {
-    std::fill(group.check_images.begin(), group.check_images.end(), 0.0f);
-    return;
+  group.empty = samples.empty();
+  if (group.empty) return;
+  thread_local std::unique_ptr<GroupRows> texels;
+  if (texels == nullptr || texels->cube_size != haar_.size()) {
+    texels = std::make_unique<GroupRows>(haar_.size());
   }
   const std::uint64_t seed = mix_bits(settings.seed ^ mix_bits(first_receiver));
-  std::fill(group.texels_.values.begin(), group.texels_.values.end(), 0.0f);
-  direct_.add(group.samples_, seed, group.texels_);
-  indirect_.add(group.samples_, seed, group.texels_);
-  haar_.forward(group.texels_.values, group.coefficients.values, kRowLanes);
-  multiply_rows(group.coefficients, check_lights_, group.check_images.data());
+  std::fill(texels->values.begin(), texels->values.end(), 0.0f);
+  direct_.add(samples, seed, *texels);
+  indirect_.add(samples, seed, *texels);
+  haar_.forward(texels->values, group.coefficients.values, kRowLanes);
 }
 
 }  // namespace rimlight

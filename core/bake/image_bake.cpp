@@ -1,185 +1,28 @@
 #include "core/bake/image_bake.h"
 
-#include <algorithm>
-#include <bit>
-#include <chrono>
-#include <cmath>
-#include <utility>
-
-#include "core/bake/bake_output.h"
-#include "core/bake/compression.h"
 #include "core/bake/fingerprint.h"
 #include "core/bake/group_baker.h"
-#include "core/bake/pilot.h"
-#include "core/bake/tile_store.h"
-#include "core/base/error.h"
-#include "core/base/parallel.h"
-#include "core/math/random.h"
-#include "core/transport/bake_folder.h"
-#include "core/transport/tile_builder.h"
+#include "core/scene/ray_scene.h"
 
 namespace rimlight {
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-/// The compression that is stored for a tile at first is finer than the pilot asks for, so that the
-/// final threshold, measured on the whole image, can be found above it.
-constexpr double kPilotMarginDb = 0.5;
-constexpr double kFirstThresholdShare = 0.5;
-constexpr int kMostAttempts = 4;
-
-/// One bake from begin to end.
-class ImageBake {
- public:
-  ImageBake(const std::shared_ptr<const Scene>& scene, const std::filesystem::path& folder,
-            const std::function<void(const BakeProgress&)>& progress)
-      : scene_(scene),
-        progress_(progress),
-        haar_(scene->bake.cube_size),
-        lights_(make_check_lights(haar_)),
-        rays_(scene),
-        baker_(rays_, lights_),
-        writer_(folder) {}
-
-  BakeSummary run() {
-    const auto start = Clock::now();
-    float threshold = pilot();
-    for (int attempt = 0;; ++attempt) {
-      TileStore store(writer_.partial_folder() / "tiles", shape(),
-                      mix_bits(fingerprint(*scene_) ^ std::bit_cast<std::uint32_t>(threshold)));
-      trace_tiles(store, threshold);
-      report("compressing", 0);
-      const LightImages references = reference_images(store);
-      const auto exposures = check_exposures(lights_, references);
-      const float chosen = choose_threshold(store, baker_.check_lights(), references, exposures,
-                                            threshold, scene_->bake.psnr_db);
-      if (chosen > 0) {
-        write(store, references, chosen, start);
-        return summary_;
-      }
-      // The pilot's groups were kinder than the image: everything again, finer.
-      if (attempt + 1 == kMostAttempts) {
-        throw Error(scene_->name, "no compression that keeps the error asked for",
-                    "a lower /bake/psnr_db");
-      }
-      threshold *= static_cast<float>(kFirstThresholdShare);
-    }
-  }
-
- private:
-  TileStore::Shape shape() const {
-    return {baker_.layout().tile_count(), haar_.coefficient_count(), lights_.size()};
-  }
-
-  void report(const char* stage, double fraction, bool resumed = false) const {
-    if (progress_) progress_({stage, fraction, resumed});
-  }
-
-  /// The threshold that the tiles are stored with at first.
-  float pilot() {
-    report("sampling", 0);
-    const std::size_t groups = baker_.layout().receiver_count() / kGroupLanes;
-    const std::size_t count = std::clamp<std::size_t>(groups / 16, 8, 128);
-    const auto sample = sample_groups(baker_, count, scene_->bake.seed);
-    if (sample.empty()) {
-      throw Error(scene_->name, "a camera that sees no geometry", "an object in the picture");
-    }
-    const double threshold =
-        pilot_threshold(baker_, sample, lights_, scene_->bake.psnr_db + kPilotMarginDb);
-    return static_cast<float>(threshold * kFirstThresholdShare);
-  }
-
-  void trace_tiles(const TileStore& store, float threshold) {
-    for (std::size_t tile = 0; tile < store.shape().tiles; ++tile) {
-      const bool found = store.has(tile);
-      if (found) {
-        ++summary_.resumed_tiles;
-      } else {
-        trace_tile(store, tile, threshold);
-      }
-      report("tracing", static_cast<double>(tile + 1) / static_cast<double>(store.shape().tiles),
-             found);
-    }
-  }
-
-  void trace_tile(const TileStore& store, std::size_t tile, float threshold) const {
-    const std::vector<float> weights(store.shape().columns, 1.0f);
-    TileBuilder builder(weights, threshold);
-    TileCheck check;
-    check.coverage.resize(kTileReceivers);
-    check.images.assign(lights_.size(), std::vector<Vec3f>(kTileReceivers));
-    parallel_for(TileBuilder::kGroups, [&](std::size_t place) {
-      thread_local std::unique_ptr<BakedGroup> group;
-      if (group == nullptr || group->coefficients.cube_size != haar_.size()) {
-        group = std::make_unique<BakedGroup>(haar_.size(), lights_.size());
-      }
-      baker_.bake(tile * kTileReceivers + place * kGroupLanes, *group);
-      if (!group->empty) builder.add_group(place, group->coefficients.values);
-      for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
-        const std::size_t receiver = place * kGroupLanes + lane;
-        check.coverage[receiver] = group->coverage[lane];
-        for (std::size_t light = 0; light < lights_.size(); ++light) {
-          const float* const image = group->check_images.data() + light * kRowLanes + lane;
-          check.images[light][receiver] = {image[0], image[kGroupLanes], image[2 * kGroupLanes]};
-        }
-      }
-    });
-    store.save(tile, builder.assemble(), check);
-  }
-
-  void write(const TileStore& store, const LightImages& references, float threshold,
-             Clock::time_point start) {
-    report("writing", 0);
-    const auto images = compressed_images(store, baker_.check_lights(), threshold);
-    const std::vector<double> psnr =
-        measure_psnr(images, references, check_exposures(lights_, references));
-    summary_.blocks = write_transport(writer_, store, baker_.layout(), threshold);
-    write_environments(writer_, store, *scene_, threshold);
-    writer_.commit(describe(psnr, threshold));
-    summary_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    report("writing", 1);
-  }
-
-  BakeManifest describe(const std::vector<double>& psnr, float threshold) {
-    const auto worst = std::min_element(psnr.begin(), psnr.end());
-    summary_.worst_psnr_db = *worst;
-    summary_.worst_light = lights_[static_cast<std::size_t>(worst - psnr.begin())].name;
-    const BakeSettings& bake = scene_->bake;
-    BakeManifest manifest;
-    manifest.scene = scene_->name;
-    manifest.pixels = baker_.layout();
-    manifest.cube_size = haar_.size();
-    manifest.camera = scene_->camera;
-    manifest.settings = {{"primary_rays", bake.primary_rays},
-                         {"bounces", bake.bounces},
-                         {"psnr_db", bake.psnr_db},
-                         {"seed", bake.seed}};
-    for (std::size_t light = 0; light < lights_.size(); ++light) {
-      manifest.measured["psnr_db"][lights_[light].name] = std::round(psnr[light] * 100) / 100;
-    }
-    manifest.left_out = {{"blocks_below", threshold},
-                         {"worst_psnr_db", summary_.worst_psnr_db},
-                         {"worst_light", summary_.worst_light}};
-    return manifest;
-  }
-
-  std::shared_ptr<const Scene> scene_;
-  const std::function<void(const BakeProgress&)>& progress_;
-  CubeHaar haar_;
-  std::vector<CheckLight> lights_;
-  RayScene rays_;
-  GroupBaker baker_;
-  BakeWriter writer_;
-  BakeSummary summary_;
-};
-
-}  // namespace
 
 BakeSummary bake_image(const std::shared_ptr<const Scene>& scene,
                        const std::filesystem::path& folder,
                        const std::function<void(const BakeProgress&)>& progress) {
-  return ImageBake(scene, folder, progress).run();
+  const RayScene rays(scene);
+  const BakeSettings& bake = scene->bake;
+  return bake_transport(GroupBaker(rays),
+                        {.scene = scene->name,
+                         .camera = scene->camera,
+                         .environments = scene->environments,
+                         .settings = {{"primary_rays", bake.primary_rays},
+                                      {"bounces", bake.bounces},
+                                      {"psnr_db", bake.psnr_db},
+                                      {"seed", bake.seed}},
+                         .psnr_db = bake.psnr_db,
+                         .seed = bake.seed,
+                         .fingerprint = fingerprint(*scene)},
+                        folder, progress);
 }
 
 }  // namespace rimlight

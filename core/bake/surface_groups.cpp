@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/check.h"
+
 namespace rimlight {
 namespace {
 
@@ -25,8 +27,17 @@ float unlikeness(const PixelSurface& surface, const SurfaceHit& hit) {
 
 }  // namespace
 
-void find_surfaces(const GroupSamples& samples, std::size_t lane,
-                   std::vector<PixelSurface>& surfaces) {
+PixelSurface& PixelSurfaces::add() {
+  RIMLIGHT_CHECK(count_ < kMostSurfaces);
+  PixelSurface& surface = surfaces_[count_++];
+  surface.hits.clear();
+  surface.outgoing.clear();
+  surface.share = 0;
+  surface.normal_sum = {};
+  return surface;
+}
+
+void find_surfaces(const GroupSamples& samples, std::size_t lane, PixelSurfaces& surfaces) {
   constexpr float kLikeEnough = 0.05f;  // 1 − cos 18°
   surfaces.clear();
   for (int ray = 0; ray < samples.rays; ++ray) {
@@ -42,8 +53,7 @@ void find_surfaces(const GroupSamples& samples, std::size_t lane,
       }
     }
     if (nearest == nullptr || (least > kLikeEnough && surfaces.size() < kMostSurfaces)) {
-      surfaces.emplace_back();
-      nearest = &surfaces.back();
+      nearest = &surfaces.add();
       nearest->brdf = hit->brdf;
       nearest->brdf.albedo = {};
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "core/bake/group.h"
@@ -17,9 +18,28 @@ struct PixelSurface {
   Vec3f normal_sum;
 };
 
-/// Groups a lane's hits into at most kMostSurfaces surfaces; later odd hits join the nearest.
+/// At most kMostSurfaces surfaces, whose memory is kept from pixel to pixel.
 inline constexpr std::size_t kMostSurfaces = 4;
-void find_surfaces(const GroupSamples& samples, std::size_t lane,
-                   std::vector<PixelSurface>& surfaces);
+class PixelSurfaces {
+ public:
+  std::size_t size() const { return count_; }
+  const PixelSurface& operator[](std::size_t i) const { return surfaces_[i]; }
+  PixelSurface* begin() { return surfaces_.data(); }
+  PixelSurface* end() { return surfaces_.data() + count_; }
+  const PixelSurface* begin() const { return surfaces_.data(); }
+  const PixelSurface* end() const { return surfaces_.data() + count_; }
+
+  void clear() { count_ = 0; }
+  /// One more surface, without hits. There must be less than kMostSurfaces.
+  PixelSurface& add();
+
+ private:
+  std::array<PixelSurface, kMostSurfaces> surfaces_;
+  std::size_t count_ = 0;
+};
+
+/// Groups a lane's hits into surfaces; when there are kMostSurfaces, later odd hits join the
+/// nearest. The surfaces point into `samples`.
+void find_surfaces(const GroupSamples& samples, std::size_t lane, PixelSurfaces& surfaces);
 
 }  // namespace rimlight

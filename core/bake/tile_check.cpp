@@ -12,11 +12,12 @@
 namespace rimlight {
 namespace {
 
-/// The file: fingerprint, number of lights, coverage, images; then the hash of all before it.
+/// The file: fingerprint, number of lights, coverage, reflectance, images; then the hash of all
+/// before it.
 constexpr std::size_t kHeaderBytes = 16;
 
 std::size_t file_bytes(std::size_t lights) {
-  return kHeaderBytes + kTileReceivers * (sizeof(float) + lights * sizeof(Vec3f)) + 8;
+  return kHeaderBytes + kTileReceivers * (sizeof(float) + (1 + lights) * sizeof(Vec3f)) + 8;
 }
 
 void append(std::string& bytes, const void* data, std::size_t size) {
@@ -37,6 +38,7 @@ void save_check(const std::filesystem::path& path, const TileCheck& check,
   append(bytes, &fingerprint, sizeof fingerprint);
   append(bytes, &lights, sizeof lights);
   append(bytes, check.coverage.data(), check.coverage.size() * sizeof(float));
+  append(bytes, check.reflectance.data(), check.reflectance.size() * sizeof(Vec3f));
   for (const auto& image : check.images) append(bytes, image.data(), image.size() * sizeof(Vec3f));
   const std::uint64_t hash = hash_of(bytes);
   append(bytes, &hash, sizeof hash);
@@ -62,14 +64,16 @@ std::optional<TileCheck> load_check(const std::filesystem::path& path, std::size
 
   TileCheck check;
   const char* from = bytes.data() + kHeaderBytes;
-  check.coverage.resize(kTileReceivers);
-  std::memcpy(check.coverage.data(), from, kTileReceivers * sizeof(float));
-  from += kTileReceivers * sizeof(float);
-  check.images.assign(lights, std::vector<Vec3f>(kTileReceivers));
-  for (auto& image : check.images) {
-    std::memcpy(static_cast<void*>(image.data()), from, kTileReceivers * sizeof(Vec3f));
-    from += kTileReceivers * sizeof(Vec3f);
-  }
+  const auto take = [&from](auto& values) {
+    values.resize(kTileReceivers);
+    const std::size_t size = kTileReceivers * sizeof(values[0]);
+    std::memcpy(static_cast<void*>(values.data()), from, size);
+    from += size;
+  };
+  take(check.coverage);
+  take(check.reflectance);
+  check.images.resize(lights);
+  for (auto& image : check.images) take(image);
   return check;
 }
 

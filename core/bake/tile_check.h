@@ -10,10 +10,12 @@
 
 namespace rimlight {
 
-/// What a baked tile is checked against, beside its transport: its coverage, and its image under
-/// each check light made from the whole transport, before anything was left out.
+/// What a baked tile has and is checked against, beside its transport: its coverage, its
+/// reflectance, and its image under each check light made from the whole transport, before anything
+/// was left out.
 struct TileCheck {
   std::vector<float> coverage;             // [4096]
+  std::vector<Vec3f> reflectance;          // [4096]
   std::vector<std::vector<Vec3f>> images;  // [check light][4096]
 };
 

@@ -1,9 +1,11 @@
 #include "core/bake/tile_store.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/transport/part_file.h"
 
 namespace rimlight {
 
@@ -39,6 +41,20 @@ TileCheck TileStore::check(std::size_t tile) const {
   auto check = load_check(path(tile, ".check"), shape_.lights, fingerprint_);
   if (!check) throw Error(path(tile, ".check").string(), "no check images", "those just baked");
   return std::move(*check);
+}
+
+void TileStore::save_sums(std::size_t next_tile, const SketchSums& sums) const {
+  // Under its own name: those of fewer tiles count until these are whole.
+  save_sketch_sums(path(next_tile, ".sums"), sums, fingerprint_);
+  for (std::size_t older = 1; older < next_tile; ++older) remove_part(path(older, ".sums"));
+}
+
+std::size_t TileStore::load_sums(SketchSums& sums) const {
+  for (std::size_t tile = shape_.tiles; tile > 0; --tile) {
+    if (load_sketch_sums(path(tile, ".sums"), sums, fingerprint_)) return tile;
+  }
+  std::ranges::fill(sums.sums(), 0);
+  return 0;
 }
 
 }  // namespace rimlight

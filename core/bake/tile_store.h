@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "core/bake/tile_check.h"
+#include "core/transport/sketch.h"
 #include "core/transport/tile_transport.h"
 
 namespace rimlight {
@@ -27,6 +28,11 @@ class TileStore {
   /// Throws Error when the tile is not there: has() was true, but the disk changed since.
   TileTransport transport(std::size_t tile) const;
   TileCheck check(std::size_t tile) const;
+
+  /// Keeps the sketch sums of tiles 0 … next_tile − 1, in the place of those of fewer tiles.
+  void save_sums(std::size_t next_tile, const SketchSums& sums) const;
+  /// Loads the sums of the most tiles that are there; returns how many, 0 with sums of zero.
+  std::size_t load_sums(SketchSums& sums) const;
 
  private:
   std::filesystem::path path(std::size_t tile, const char* ending) const;

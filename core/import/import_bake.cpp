@@ -7,10 +7,12 @@
 #include <system_error>
 #include <utility>
 
+#include "core/bake/transport_bake.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/basis/cube_haar.h"
-#include "core/import/imported_bake.h"
+#include "core/import/imported_rows.h"
+#include "core/transport/bake_folder.h"
 
 namespace rimlight {
 namespace {
@@ -95,16 +97,12 @@ class Import {
     const std::vector<float> coverage = coverage_of(source.pixels());
     receiver_coverage_ = by_receiver(coverage, source.pixels());
     summary_.resampling = measure_resampling(source, receiver_coverage_, built_in_lights());
-    ImportedTransport transport;
-    transport.manifest = describe(source);
-    transport.coverage = coverage;
-    transport.environments = settings_.environments;
-    transport.rows = [&](std::size_t first_receiver, GroupRows& coefficients) {
-      fill(source, first_receiver, coefficients);
-    };
-    const ImportedBakeSummary written =
-        write_imported_bake(folder, transport, settings_.psnr_db, progress);
-    summary_.blocks = written.blocks;
+    const ImportedRows rows(source.pixels(), haar_.size(), receiver_coverage_,
+                            [&](std::size_t first_receiver, GroupRows& coefficients) {
+                              fill(source, first_receiver, coefficients);
+                            });
+    const BakeSummary written = bake_transport(rows, request(), folder, progress);
+    summary_.bytes = written.bytes;
     summary_.worst_psnr_db = written.worst_psnr_db;
     summary_.worst_light = written.worst_light;
     return summary_;
@@ -190,13 +188,14 @@ class Import {
     haar_.forward(texels.values, coefficients.values, kRowLanes);
   }
 
-  BakeManifest describe(const TransportSource& source) const {
-    BakeManifest manifest;
-    manifest.scene = settings_.name;
-    manifest.pixels = source.pixels();
-    manifest.cube_size = haar_.size();
-    manifest.camera = settings_.camera;
-    manifest.settings = {
+  BakeRequest request() const {
+    BakeRequest request;
+    request.scene = settings_.name;
+    request.camera = settings_.camera;
+    request.environments = settings_.environments;
+    request.psnr_db = settings_.psnr_db;
+    request.stage = "resampling";
+    request.settings = {
         {"imported", true},
         {"directions", list_.size()},
         {"unit", settings_.unit == ColumnUnit::irradiance ? "irradiance" : "radiance"},
@@ -206,10 +205,10 @@ class Import {
         {"covered_steradians", summary_.covered},
         {"psnr_db", settings_.psnr_db}};
     for (const ResamplingError& error : summary_.resampling) {
-      manifest.measured["resampling"][error.light] = {
+      request.measured["resampling"][error.light] = {
           {"psnr_db", std::round(error.psnr_db * 100) / 100}, {"relative_l2", error.relative_l2}};
     }
-    return manifest;
+    return request;
   }
 
   const DirectionList& list_;
@@ -237,9 +236,14 @@ ImportSummary import_bake(const MakeSource& make_source, const DirectionList& di
   const auto start = Clock::now();
   check_cap(directions, settings.cap);
   Import import(directions, settings);
-  // Made once before the pictures are read: it refuses a folder that is no bake.
+  // Made once before the pictures are read: it refuses a folder that is no bake. What a killed
+  // import left there is of other transport, for all that is known: nothing of it is resumed.
   const std::filesystem::path partial = BakeWriter(folder).partial_folder();
   DiscardOnFailure discard(partial);
+  std::error_code error;
+  std::filesystem::remove_all(partial, error);
+  if (!error) std::filesystem::create_directory(partial, error);
+  if (error) throw Error(partial.string(), error.message(), "a folder that can be written");
   ImportSummary summary = import.run(*make_source(partial), folder, progress);
   discard.keep();
   summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/bake/image_bake.h"
+#include "core/bake/transport_bake.h"
 #include "core/import/coverage_mask.h"
 #include "core/import/direction_cells.h"
 #include "core/import/direction_list.h"
@@ -42,7 +42,7 @@ struct ImportSummary {
   double largest_weight = 0, median_weight = 0;
   std::size_t largest_direction = 0;  // whose weight is the largest
   std::vector<ResamplingError> resampling;
-  std::size_t blocks = 0;    // stored blocks of 8 receivers
+  std::size_t bytes = 0;     // of stored transport
   double worst_psnr_db = 0;  // of the compressed transport, over the check lights
   std::string worst_light;
 };

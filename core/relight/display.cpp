@@ -1,6 +1,10 @@
 #include "core/relight/display.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numeric>
 
 #include "core/base/parallel.h"
 #include "core/image/tone_map.h"
@@ -20,19 +24,31 @@ void add_background(std::span<const BackgroundPixels::Pixel> pixels, const Backg
   }
 }
 
+/// Σ of squares; a few float sums of one tile each.
+double square_of(std::span<const float, kTileFloats> radiance) {
+  std::array<float, kBlockFloats> sums{};
+  for (std::size_t at = 0; at < kTileFloats; at += kBlockFloats) {
+    for (std::size_t i = 0; i < kBlockFloats; ++i) sums[i] += radiance[at + i] * radiance[at + i];
+  }
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
 }  // namespace
 
 Display::Display(const PixelLayout& layout, const Camera& camera, std::span<const float> coverage)
-    : layout_(layout), background_pixels_(layout, camera, coverage) {}
+    : layout_(layout),
+      background_pixels_(layout, camera, coverage),
+      tile_square_(layout.tile_count()) {}
 
 template <typename Visit>
 void Display::for_each_tile(const Relighter& relighter, const Background& background,
-                            const Visit& visit) const {
+                            const Visit& visit) {
   const Matrix3 to_source = matrix(conjugate(background.rotation));
   const auto show_tile = [&](std::size_t tile) {
     alignas(64) std::array<float, kTileFloats> radiance;
     TileImage image;
-    relighter.sum_bands(tile, radiance);
+    relighter.find_radiance(tile, radiance);
+    tile_square_[tile] = square_of(radiance);
     rows_from_blocks(radiance, image);
     add_background(background_pixels_.of_tile(tile), background.map, to_source, image);
     const auto [left, top] = layout_.pixel(tile * kTileReceivers);
@@ -43,8 +59,8 @@ void Display::for_each_tile(const Relighter& relighter, const Background& backgr
   parallel_for(relighter.tile_count(), std::cref(show_tile));
 }
 
-void Display::show(const Relighter& relighter, const Background& background, float scale,
-                   Rgb8Image& frame) const {
+double Display::show(const Relighter& relighter, const Background& background, float scale,
+                     Rgb8Image& frame) {
   frame.resize(layout_.width, layout_.height);
   for_each_tile(relighter, background, [&](const Place& place, const TileImage& image) {
     const auto width = static_cast<std::size_t>(place.width);
@@ -58,10 +74,10 @@ void Display::show(const Relighter& relighter, const Background& background, flo
                std::span(frame.bytes).subspan(3 * static_cast<std::size_t>(first), 3 * width));
     }
   });
+  return std::sqrt(std::accumulate(tile_square_.begin(), tile_square_.end(), 0.0));
 }
 
-void Display::show(const Relighter& relighter, const Background& background,
-                   RgbImage& image) const {
+void Display::show(const Relighter& relighter, const Background& background, RgbImage& image) {
   image = RgbImage(layout_.width, layout_.height);
   for_each_tile(relighter, background, [&](const Place& place, const TileImage& tile) {
     for (int y = 0; y < place.height; ++y) {

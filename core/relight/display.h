@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "core/image/image.h"
 #include "core/math/camera.h"
@@ -12,8 +13,8 @@
 
 namespace rimlight {
 
-/// B to pixels: sums the bands of a relighter, puts the environment behind what geometry leaves
-/// uncovered, tone-maps. Immutable; any thread; computes on all cores, allocates nothing.
+/// B to pixels: takes radiance from a relighter, puts the environment behind what geometry leaves
+/// uncovered, tone-maps. One thread at a time; computes on all cores, allocates nothing.
 class Display {
  public:
   /// `coverage` [height][width] in [0, 1].
@@ -25,11 +26,12 @@ class Display {
     Quaternion rotation;  // of the light
   };
 
-  /// Pixels in sRGB; `scale` multiplies radiance. The frame is resized.
-  void show(const Relighter& relighter, const Background& background, float scale,
-            Rgb8Image& frame) const;
+  /// Pixels in sRGB; `scale` multiplies radiance. The frame is resized. Returns ‖B‖, √ of the sum
+  /// over receivers and channels of its squares.
+  double show(const Relighter& relighter, const Background& background, float scale,
+              Rgb8Image& frame);
   /// Pixels as linear radiance. The image is resized.
-  void show(const Relighter& relighter, const Background& background, RgbImage& image) const;
+  void show(const Relighter& relighter, const Background& background, RgbImage& image);
 
  private:
   /// Where a tile's pixels lie in the image, and how many of them are inside it.
@@ -37,11 +39,11 @@ class Display {
     int left, top, width, height;
   };
   template <typename Visit>
-  void for_each_tile(const Relighter& relighter, const Background& background,
-                     const Visit& visit) const;
+  void for_each_tile(const Relighter& relighter, const Background& background, const Visit& visit);
 
   PixelLayout layout_;
   BackgroundPixels background_pixels_;
+  std::vector<double> tile_square_;  // of B, [tile]
 };
 
 }  // namespace rimlight

@@ -13,7 +13,7 @@
 #include "core/light/light_rotation.h"
 #include "core/relight/background.h"
 #include "core/relight/display.h"
-#include "core/relight/policy.h"
+#include "core/relight/error_estimate.h"
 #include "core/relight/prepared_environment.h"
 #include "core/relight/relighter.h"
 
@@ -21,11 +21,6 @@ namespace rimlight {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;  // a client's quaternion comes through decimal digits
-
-std::unique_ptr<UpdatePolicy> make_policy(PolicyKind kind) {
-  if (kind == PolicyKind::nwa) return std::make_unique<NwaPolicy>();
-  return std::make_unique<PbiPolicy>();
-}
 
 /// Milliseconds since it was made, or since the last lap.
 class Stopwatch {
@@ -55,24 +50,27 @@ struct FrameRenderer::State {
   std::shared_ptr<const Bake> bake;
   RelightSettings settings;
   CubeHaar haar;
-  std::unique_ptr<UpdatePolicy> policy;
   Relighter relighter;
   Display display;
+  ErrorEstimator estimator;
   std::map<std::string, BakedEnvironment> environments;
   std::map<std::string, Light> lights;  // of the environments shown so far
   CubeLight texels;                     // of the rotated light; scratch of its transform
   CubeLight target;
-  PlanWorkspace workspace;
-  UpdatePlan plan;
+  FrameUpdater updater;
+  double display_ms = 0;       // of the last frame: what a deadline has to leave
+  int frames_to_estimate = 0;  // until the error is estimated again
+  ErrorEstimate estimated;     // when it was
 
   State(std::shared_ptr<const Bake> bake_, const RelightSettings& settings_)
       : bake(std::move(bake_)),
         settings(settings_),
         haar(bake->manifest().cube_size),
-        policy(make_policy(settings.policy)),
-        relighter(bake->transport(), haar),
+        relighter(bake->transport(), bake->reflectance(), haar),
         display(bake->manifest().pixels, bake->manifest().camera, bake->coverage()),
-        target(haar.size()) {
+        estimator(bake->sketch()),
+        target(haar.size()),
+        updater(*bake, haar, settings.policy, relighter) {
     for (const BakedEnvironment& baked : bake->environments()) {
       environments.emplace(baked.environment->name(), baked);
     }
@@ -107,6 +105,31 @@ struct FrameRenderer::State {
     parallel_for(3, transform);
   }
 
+  /// The budget of the update: a deadline is less what the rest of the frame takes.
+  FrameBudget update_budget(double passed_ms) const {
+    FrameBudget budget = settings.budget;
+    if (budget.unit == FrameBudget::Unit::milliseconds) {
+      budget.amount = std::max(0.0, budget.amount - passed_ms - display_ms);
+    }
+    return budget;
+  }
+
+  /// Refreshes the estimate, every few frames where it would take more than its share of a frame.
+  void estimate_error(double image_norm, FrameReport& report) {
+    constexpr double kMostShare = 0.05;
+    if (report.exact || --frames_to_estimate <= 0) {
+      Stopwatch watch;
+      estimated = estimator.estimate(target, relighter.held());
+      report.estimate_ms = watch.lap_ms();
+      const double frame_ms = report.rotate_ms + report.update_ms + report.display_ms;
+      frames_to_estimate = static_cast<int>(
+          std::min(10.0, std::ceil(report.estimate_ms / (kMostShare * std::max(frame_ms, 0.1)))));
+    }
+    if (!(image_norm > 0)) return;
+    report.estimate = estimated.error / image_norm;
+    report.estimate_of_time = estimated.residual / image_norm;
+  }
+
   double residual() const {
     const double size = weighted_size(haar, target);
     return size > 0 ? weighted_distance(haar, target, relighter.held()) / size : 0;
@@ -117,9 +140,15 @@ struct FrameRenderer::State {
                               std::exp2(state.exposure_stops));
   }
 
-  void show(const DesignState& state, const Quaternion& rotation, Rgb8Image& frame) {
-    display.show(relighter, {light(state.environment).prepared->background, rotation},
-                 exposure_of(state), frame);
+  /// Makes pixels, and the estimate that the report says.
+  void show(const DesignState& state, const Quaternion& rotation, Rgb8Image& frame,
+            FrameReport& report) {
+    Stopwatch watch;
+    const double norm =
+        display.show(relighter, {light(state.environment).prepared->background, rotation},
+                     exposure_of(state), frame);
+    report.display_ms = display_ms = watch.lap_ms();
+    estimate_error(norm, report);
   }
 
   /// The exact image of a state in the relighter; false when abandoned.
@@ -143,7 +172,7 @@ struct FrameRenderer::State {
     std::vector<Vec3f> result;
     std::array<float, kTileFloats> radiance;
     for (std::size_t tile = 0; tile < relighter.tile_count(); ++tile) {
-      relighter.sum_bands(tile, radiance);
+      relighter.find_radiance(tile, radiance);
       for (std::size_t i = 0; i < kTileReceivers; ++i) {
         const auto [x, y] = pixels().pixel(tile * kTileReceivers + i);
         if (x >= pixels().width || y >= pixels().height) continue;
@@ -204,17 +233,13 @@ FrameReport FrameRenderer::render_moving(const DesignState& state, Rgb8Image& fr
   Stopwatch watch;
   state_->find_target(light.rotator, rotation);
   report.rotate_ms = watch.lap_ms();
-  state_->policy->make_plan(
-      {state_->haar, state_->target, state_->relighter.held(), state_->settings.coefficient_budget},
-      state_->workspace, state_->plan);
-  state_->relighter.apply(state_->plan, state_->target);
+  const UpdateReport update =
+      state_->updater.update(state_->target, state_->update_budget(report.rotate_ms));
   report.update_ms = watch.lap_ms();
-  state_->show(state, rotation, frame);
-  report.display_ms = watch.lap_ms();
-  report.terms = state_->relighter.last_terms();
-  report.bands_reset = static_cast<std::size_t>(
-      std::ranges::count(state_->plan.bands, BandAction::reset, &BandUpdate::action));
+  report.terms = update.columns;
+  report.bands_reset = update.bands_reset;
   report.residual = state_->residual();
+  state_->show(state, rotation, frame, report);
   return report;
 }
 
@@ -222,9 +247,7 @@ bool FrameRenderer::render_exact(const DesignState& state, Rgb8Image& frame, Fra
                                  const std::function<bool()>& abandon) {
   const Quaternion rotation = checked_rotation(state);
   if (!state_->relight_exactly(state, rotation, report, abandon)) return false;
-  Stopwatch watch;
-  state_->show(state, rotation, frame);
-  report.display_ms = watch.lap_ms();
+  state_->show(state, rotation, frame, report);
   return true;
 }
 

@@ -4,19 +4,20 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/image/image.h"
 #include "core/relight/design_state.h"
+#include "core/relight/frame_update.h"
+#include "core/relight/policy_settings.h"
 #include "core/transport/bake_folder.h"
 
 namespace rimlight {
 
-enum class PolicyKind { nwa, pbi };
-
 struct RelightSettings {
-  PolicyKind policy = PolicyKind::pbi;
-  std::size_t coefficient_budget = 30;
+  PolicySettings policy;
+  FrameBudget budget;         // of a moving frame; milliseconds are for all of it, up to its pixels
   int background_size = 256;  // texels a side of the cube map of the environment behind the pixels
 };
 
@@ -26,9 +27,15 @@ struct FrameReport {
   std::size_t terms = 0;        // columns added
   std::size_t bands_reset = 0;  // bands that started from zero; all of them when exact
   double residual = 0;  // ‖target − held‖₁ / ‖target‖₁ of the lighting, area-weighted; 0 = exact
-  double rotate_ms = 0;   // light rotation and Haar transform
-  double update_ms = 0;   // policy and columns
-  double display_ms = 0;  // composite and tone map
+  /// Estimated relative L2 error of the image, linear radiance, compression included (see
+  /// ErrorEstimator): of this frame, or of one a few frames ago where time is short. Nothing for a
+  /// black image.
+  std::optional<double> estimate;
+  std::optional<double> estimate_of_time;  // the part of it that time will mend
+  double rotate_ms = 0;                    // light rotation and Haar transform
+  double update_ms = 0;                    // policy and columns
+  double display_ms = 0;                   // composite and tone map
+  double estimate_ms = 0;
 };
 
 /// Turns a design state into pixels of one bake: rotates the light, plans and applies the update,

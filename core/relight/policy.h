@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "core/basis/cube_haar.h"
 #include "core/light/cube_light.h"
@@ -12,12 +11,28 @@
 
 namespace rimlight {
 
+/// How much one update may apply: columns counted, as in the papers (an RGB coefficient counts
+/// once), or the bytes that it moves.
+struct Budget {
+  enum class Unit : std::uint8_t { coefficients, bytes };
+  Unit unit = Unit::coefficients;
+  std::size_t amount = 0;
+
+  static constexpr Budget coefficients(std::size_t amount) { return {Unit::coefficients, amount}; }
+  static constexpr Budget bytes(std::size_t amount) { return {Unit::bytes, amount}; }
+};
+
 /// What an update is planned from. Lights are coefficients in the basis' order.
 struct PlanRequest {
   const CubeHaar& basis;
-  const CubeLight& target;             // asked for
-  const CubeLight& held;               // what the image shows
-  std::size_t coefficient_budget = 0;  // an RGB coefficient counts once
+  const CubeLight& target;  // asked for
+  const CubeLight& held;    // what the image shows
+  Budget budget;
+
+  // What is known of M's columns; empty where it is not.
+  std::span<const float> column_norm_squared = {};   // [3][columns]: Σ M² over receivers, ≥ 0
+  std::span<const std::uint32_t> column_bytes = {};  // [columns]: what applying a column reads
+  std::size_t band_image_bytes = 0;                  // what clearing one band's image B_b writes
 };
 
 /// The weight of a coefficient of a band when sizes are compared across bands: √area, the area
@@ -34,54 +49,37 @@ double weighted_distance(const CubeHaar& basis, const CubeLight& a, const CubeLi
 /// The same distance from the black light.
 double weighted_size(const CubeHaar& basis, const CubeLight& a);
 
-/// Storage that planning reuses from frame to frame.
-struct PlanWorkspace {
-  std::vector<std::uint64_t> candidates;  // size in the high half, ~index in the low one
+/// Storage that planning reuses from frame to frame. Holds nothing that a plan depends on.
+class PlanWorkspace {
+ public:
+  struct Storage;
+
+  PlanWorkspace();
+  PlanWorkspace(PlanWorkspace&&) noexcept;
+  PlanWorkspace& operator=(PlanWorkspace&&) noexcept;
+  ~PlanWorkspace();
+
+  Storage& storage() { return *storage_; }
+
+ private:
+  std::unique_ptr<Storage> storage_;
 };
 
-/// Decides how held becomes more like target within a budget. Immutable; any thread.
+/// Decides how held becomes more like target within a budget: see policies.h for each, and
+/// policy_settings.h for their names. Immutable; any thread.
 class UpdatePolicy {
  public:
   virtual ~UpdatePolicy() = default;
-  virtual const char* name() const = 0;
 
   /// A pure function of the request: replaces `plan`, allocates nothing once plan and workspace
-  /// have grown. All bands' candidates are compared together by weighted size, |channels| summed:
-  /// target in reset bands, target − held in the others; those of size zero are none. Equal sizes
-  /// go to the lower index.
+  /// have grown. Never above the budget. The plan's columns ascend, and those whose delta is zero
+  /// are left out; of equals the lower index goes first; a band that would be incremented by no
+  /// column is held. Throws Error when the request lacks what the policy or the budget weighs by.
   void make_plan(const PlanRequest& request, PlanWorkspace& workspace, UpdatePlan& plan) const;
 
  private:
-  /// reset or increment, given one band's coefficients [3][count of band].
-  struct BandLight {
-    std::span<const float> target[3];
-    std::span<const float> held[3];
-  };
-  virtual BandAction choose(const BandLight& band) const = 0;
-
-  friend class NwaPolicy;
-  friend class PbiPolicy;
-};
-
-/// Non-incremental wavelet approximation (Ng, Ramamoorthi and Hanrahan 2003): all bands start from
-/// zero in every frame.
-class NwaPolicy final : public UpdatePolicy {
- public:
-  const char* name() const override { return "nwa"; }
-
- private:
-  BandAction choose(const BandLight& band) const override;
-};
-
-/// Per-band incremental with the simple test (Overbeck 2006, §6.2.2): a band is incremented when
-/// ‖target − held‖₁ < ‖target‖₁ over its coefficients and channels, else reset. So the first frame
-/// resets all bands.
-class PbiPolicy final : public UpdatePolicy {
- public:
-  const char* name() const override { return "pbi"; }
-
- private:
-  BandAction choose(const BandLight& band) const override;
+  virtual void plan_checked(const PlanRequest& request, PlanWorkspace::Storage& storage,
+                            UpdatePlan& plan) const = 0;
 };
 
 }  // namespace rimlight

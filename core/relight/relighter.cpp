@@ -6,11 +6,15 @@
 
 #include "core/base/check.h"
 #include "core/base/parallel.h"
+#include "core/transport/receiver_planes.h"
 
 namespace rimlight {
-Relighter::Relighter(const TransportView& transport, const CubeHaar& basis)
-    : transport_(transport), basis_(basis), held_(basis.size()) {
+
+Relighter::Relighter(const TransportView& transport, const ReceiverValues& reflectance,
+                     const CubeHaar& basis)
+    : transport_(transport), reflectance_(reflectance), basis_(basis), held_(basis.size()) {
   RIMLIGHT_CHECK_EQ(transport.column_count(), basis.coefficient_count());
+  RIMLIGHT_CHECK_EQ(reflectance.tile_count(), transport.tile_count());
   const auto bands = static_cast<std::size_t>(basis.band_count());
   for (std::size_t b = 0; b < bands; ++b) {
     images_.emplace_back(transport.tile_count());
@@ -20,7 +24,7 @@ Relighter::Relighter(const TransportView& transport, const CubeHaar& basis)
 }
 
 void Relighter::update_tile(const UpdatePlan& plan, std::size_t tile,
-                            std::vector<Radiance>& images) const {
+                            std::vector<ReceiverValues>& images) const {
   for (std::size_t b = 0; b < plan.bands.size(); ++b) {
     const BandUpdate& update = plan.bands[b];
     if (update.count == 0) continue;  // a reset without columns is told by zero_ alone
@@ -63,6 +67,29 @@ void Relighter::apply(const UpdatePlan& plan, const CubeLight& target) {
     parallel_for(tile_count(), std::cref(update));
   }
   move_held(plan, target);
+  rebuild_tiles(plan.columns.size());
+}
+
+void Relighter::rebuild_tiles(std::size_t columns) {
+  // One round through all tiles for every kMostAdditions columns added.
+  rebuild_credit_ += columns * tile_count();
+  tiles_rebuilt_ = std::min(rebuild_credit_ / kMostAdditions, tile_count());
+  if (tiles_rebuilt_ == 0) return;
+  rebuild_credit_ -= tiles_rebuilt_ * kMostAdditions;
+  plan_exact(held_);
+  const auto rebuild = [this](std::size_t i) { rebuild_tile((next_rebuilt_ + i) % tile_count()); };
+  parallel_for(tiles_rebuilt_, std::cref(rebuild));
+  next_rebuilt_ = (next_rebuilt_ + tiles_rebuilt_) % tile_count();
+}
+
+void Relighter::rebuild_tile(std::size_t tile) {
+  for (std::size_t b = 0; b < images_.size(); ++b) {
+    const BandUpdate& update = exact_plan_.bands[b];
+    float* const held = images_[b].tile(tile);
+    if (!zero_[b]) std::fill_n(held, kTileFloats, 0.0f);
+    add_columns(transport_, tile,
+                std::span(exact_plan_.columns).subspan(update.first, update.count), held);
+  }
 }
 
 void Relighter::plan_exact(const CubeLight& target) {
@@ -100,19 +127,24 @@ bool Relighter::apply_exact(const CubeLight& target, const std::function<bool()>
   return true;
 }
 
-void Relighter::sum_bands(std::size_t tile, std::span<float, kTileFloats> radiance) const {
+void Relighter::sum_bands(std::size_t tile, std::span<float, kTileFloats> held) const {
   bool first = true;
   for (std::size_t b = 0; b < images_.size(); ++b) {
     if (zero_[b]) continue;
     const float* const band = images_[b].tile(tile);
     if (first) {
-      std::copy_n(band, kTileFloats, radiance.data());
+      std::copy_n(band, kTileFloats, held.data());
     } else {
-      for (std::size_t i = 0; i < kTileFloats; ++i) radiance[i] += band[i];
+      for (std::size_t i = 0; i < kTileFloats; ++i) held[i] += band[i];
     }
     first = false;
   }
-  if (first) std::ranges::fill(radiance, 0.0f);
+  if (first) std::ranges::fill(held, 0.0f);
+}
+
+void Relighter::find_radiance(std::size_t tile, std::span<float, kTileFloats> radiance) const {
+  sum_bands(tile, radiance);
+  restore_radiance(radiance, reflectance_.tile_span(tile));
 }
 
 }  // namespace rimlight

@@ -13,8 +13,9 @@
 
 namespace rimlight {
 
-/// Holds an image as one radiance image B_i for each band of the light, and the light that they
-/// show; B = Σ B_i in band order (Overbeck 2006, figure 6.1, line 20).
+/// Holds an image as one image B_i for each band of the light, and the light that they show; B = Σ
+/// B_i in band order (Overbeck 2006, figure 6.1, line 20). Images are held as transport is stored:
+/// pixel Haar coefficients before reflectance (receiver_planes.h).
 ///
 /// The same calls give the same bits at any thread count: a tile is one thread's, columns are added
 /// in the plan's order. exact() gives bits that depend on the target alone.
@@ -22,13 +23,18 @@ namespace rimlight {
 /// transport must outlive it.
 class Relighter {
  public:
-  /// A black image under a black light. Memory: 2 · bands · tiles · 48 KiB.
-  Relighter(const TransportView& transport, const CubeHaar& basis);
+  /// A black image under a black light. `reflectance` is the transport's, and outlives it too.
+  /// Memory: 2 · bands · tiles · 48 KiB.
+  Relighter(const TransportView& transport, const ReceiverValues& reflectance,
+            const CubeHaar& basis);
 
   /// The light that the image shows, L̃: coefficients.
   const CubeLight& held() const { return held_; }
 
-  /// Applies a plan made for `target` and held(): resets bands, adds columns, moves held().
+  /// Applies a plan made for `target` and held(): resets bands, adds columns, moves held(). And
+  /// rebuilds some tiles afresh from what is held, so that rounding never shows: each addition
+  /// rounds a sum by at most 2⁻²⁴ of it, one way or the other, so that n of them leave a relative
+  /// error of about √(n/3) · 2⁻²⁴, 8e-6 for kMostAdditions; each tile is rebuilt before so many.
   void apply(const UpdatePlan& plan, const CubeLight& target);
 
   /// The exact image: one fresh product with every column whose target is not zero, in ascending
@@ -39,28 +45,40 @@ class Relighter {
 
   /// Columns that the last apply() or apply_exact() added.
   std::size_t last_terms() const { return last_terms_; }
+  /// Tiles that the last apply() rebuilt.
+  std::size_t tiles_rebuilt() const { return tiles_rebuilt_; }
+
+  static constexpr std::size_t kMostAdditions = 50'000;
 
   std::size_t tile_count() const { return transport_.tile_count(); }
-  /// One tile of B = Σ B_i: radiance [block][3][8]. Any thread.
-  void sum_bands(std::size_t tile, std::span<float, kTileFloats> radiance) const;
+  /// One tile of B: radiance [block][3][8]. Any thread.
+  void find_radiance(std::size_t tile, std::span<float, kTileFloats> radiance) const;
   /// Whether a band's image is zero everywhere, because nothing was added since its reset.
   bool is_zero(int band) const { return zero_[static_cast<std::size_t>(band)]; }
 
  private:
   bool starts_from_zero(const BandUpdate& update, std::size_t band) const;
   /// Zeroes reset bands of `images` in one tile and adds the columns.
-  void update_tile(const UpdatePlan& plan, std::size_t tile, std::vector<Radiance>& images) const;
+  void update_tile(const UpdatePlan& plan, std::size_t tile,
+                   std::vector<ReceiverValues>& images) const;
+  void sum_bands(std::size_t tile, std::span<float, kTileFloats> held) const;
   void move_held(const UpdatePlan& plan, const CubeLight& target);
   void plan_exact(const CubeLight& target);
+  void rebuild_tiles(std::size_t columns);
+  void rebuild_tile(std::size_t tile);
 
   TransportView transport_;
+  const ReceiverValues& reflectance_;
   CubeHaar basis_;
   CubeLight held_;
-  std::vector<Radiance> images_;  // [band]
-  std::vector<bool> zero_;        // [band]: the image counts as zero, whatever it holds
-  std::vector<Radiance> fresh_;   // where the exact product grows until it is whole
+  std::vector<ReceiverValues> images_;  // [band]
+  std::vector<bool> zero_;              // [band]: the image counts as zero, whatever it holds
+  std::vector<ReceiverValues> fresh_;   // where the exact product grows until it is whole
   UpdatePlan exact_plan_;
   std::size_t last_terms_ = 0;
+  std::size_t tiles_rebuilt_ = 0;
+  std::size_t next_rebuilt_ = 0;    // tile, in turn
+  std::size_t rebuild_credit_ = 0;  // tiles · columns added since a tile was rebuilt
 };
 
 }  // namespace rimlight

@@ -19,6 +19,8 @@ namespace {
 
 /// Rays of one stream: enough to fill Embree's queues, few enough to stay in L2.
 constexpr std::size_t kStreamSize = 512;
+constexpr std::size_t kPacketSize = 16;
+static_assert(SkyRays::kSlack >= kPacketSize && SkyRays::kCapacity % kPacketSize == 0);
 /// A hit's position is off by a few 2^-24 of the triangle's coordinates, and so is Embree's own
 /// arithmetic on a neighbour's plane: 2^-16 of them clears both by far.
 constexpr float kOffsetScale = 0x1p-16f;
@@ -70,18 +72,72 @@ void attach(RTCDevice device, RTCScene scene, const Mesh& mesh, unsigned id) {
   rtcAttachGeometryByID(scene, geometry.get(), id);
 }
 
-RTCRay embree_ray(const Ray& ray, float far) {
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// What is the same for every ray.
+RTCRay blank_ray() {
   RTCRay result{};
+  result.tnear = 0;
+  result.mask = 0xffffffffu;
+  return result;
+}
+
+/// The rest of a blank ray. (Embree changes nothing but the end of a ray that it tests.)
+void set_ray(const Ray& ray, float far, RTCRay& result) {
   result.org_x = ray.origin.x;
   result.org_y = ray.origin.y;
   result.org_z = ray.origin.z;
   result.dir_x = ray.direction.x;
   result.dir_y = ray.direction.y;
   result.dir_z = ray.direction.z;
-  result.tnear = 0;
   result.tfar = far;
-  result.mask = 0xffffffffu;
-  return result;
+}
+
+/// Embree sets an occluded ray's end to minus infinity.
+std::uint8_t escaped(float end) { return end == -kInfinity ? 0 : 1; }
+
+RTCIntersectContext context_for(Coherence coherence) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = coherence == Coherence::high ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                               : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  return context;
+}
+
+/// What is the same for every packet of rays to the sky.
+RTCRay16 blank_packet() {
+  RTCRay16 packet{};
+  std::fill_n(packet.mask, kPacketSize, 0xffffffffu);
+  return packet;
+}
+
+/// The rest of a blank packet: rays from `begin` on. Those from `end` on are never traced.
+void set_packet(const SkyRays& rays, std::size_t begin, std::size_t end, RTCRay16& packet) {
+  const auto copy = [begin](const SkyRays::Component& from, float* to) {
+    std::copy_n(from.data() + begin, kPacketSize, to);
+  };
+  copy(rays.origin[0], packet.org_x);
+  copy(rays.origin[1], packet.org_y);
+  copy(rays.origin[2], packet.org_z);
+  copy(rays.direction[0], packet.dir_x);
+  copy(rays.direction[1], packet.dir_y);
+  copy(rays.direction[2], packet.dir_z);
+  for (std::size_t i = 0; i < kPacketSize; ++i) {
+    packet.tfar[i] = begin + i < end ? kInfinity : -kInfinity;
+  }
+}
+
+void trace_packets(RTCScene tree, const SkyRays& rays, std::span<std::uint8_t> visible) {
+  alignas(64) std::array<int, kPacketSize> all;
+  all.fill(-1);
+  RTCRay16 packet = blank_packet();
+  RTCIntersectContext context = context_for(Coherence::high);
+  for (std::size_t begin = 0; begin < rays.count; begin += kPacketSize) {
+    set_packet(rays, begin, rays.count, packet);
+    rtcOccluded16(all.data(), tree, &context, &packet);
+    const std::size_t count = std::min(kPacketSize, rays.count - begin);
+    for (std::size_t i = 0; i < count; ++i) visible[begin + i] = escaped(packet.tfar[i]);
+  }
 }
 
 float largest_component(const Vec3f& v) {
@@ -135,6 +191,7 @@ struct RayScene::State {
   DevicePtr device;
   ScenePtr tree;
   float extent = 0;
+  bool has_packets = false;
 };
 
 RayScene::RayScene(std::shared_ptr<const Scene> scene) : state_(std::make_unique<State>()) {
@@ -148,6 +205,8 @@ RayScene::RayScene(std::shared_ptr<const Scene> scene) : state_(std::make_unique
   state_->tree.reset(rtcNewScene(device));
   RTCScene const tree = state_->tree.get();
   check_device(device, state_->source->name);
+  state_->has_packets =
+      rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
   rtcSetSceneBuildQuality(tree, RTC_BUILD_QUALITY_HIGH);
   // RTC_SCENE_FLAG_ROBUST would close the gaps along shared edges, of a rounding error's width:
   // none of 2 million random rays in a closed shell finds one, and it halves the speed.
@@ -174,7 +233,8 @@ float RayScene::extent() const { return state_->extent; }
 
 std::optional<SurfaceHit> RayScene::intersect(const Ray& ray) const {
   RTCRayHit query{};
-  query.ray = embree_ray(ray, std::numeric_limits<float>::infinity());
+  query.ray = blank_ray();
+  set_ray(ray, kInfinity, query.ray);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -206,24 +266,40 @@ void RayScene::visible(std::span<const Ray> rays, std::span<const float> far,
                        std::span<std::uint8_t> visible) const {
   RIMLIGHT_CHECK_EQ(visible.size(), rays.size());
   RIMLIGHT_CHECK(far.empty() || far.size() == rays.size());
-  alignas(64) thread_local std::array<RTCRay, kStreamSize> stream;
+  alignas(64) thread_local std::array<RTCRay, kStreamSize> stream = [] {
+    std::array<RTCRay, kStreamSize> blank{};
+    blank.fill(blank_ray());
+    return blank;
+  }();
   flush_denormals();
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  RTCIntersectContext context = context_for(Coherence::low);
   for (std::size_t begin = 0; begin < rays.size(); begin += kStreamSize) {
     const std::size_t count = std::min(kStreamSize, rays.size() - begin);
     for (std::size_t i = 0; i < count; ++i) {
-      const float end = far.empty() ? std::numeric_limits<float>::infinity() : far[begin + i];
-      stream[i] = embree_ray(rays[begin + i], end);
+      set_ray(rays[begin + i], far.empty() ? kInfinity : far[begin + i], stream[i]);
     }
     rtcOccluded1M(state_->tree.get(), &context, stream.data(), static_cast<unsigned>(count),
                   sizeof(RTCRay));
-    // An occluded ray's end is set to minus infinity.
-    for (std::size_t i = 0; i < count; ++i) {
-      visible[begin + i] = stream[i].tfar == -std::numeric_limits<float>::infinity() ? 0 : 1;
-    }
+    for (std::size_t i = 0; i < count; ++i) visible[begin + i] = escaped(stream[i].tfar);
   }
+}
+
+void RayScene::visible(SkyRays& rays, Coherence coherence, std::span<std::uint8_t> visible) const {
+  RIMLIGHT_CHECK(rays.count <= SkyRays::kCapacity && rays.count <= visible.size());
+  flush_denormals();
+  if (coherence == Coherence::high && state_->has_packets) {
+    trace_packets(state_->tree.get(), rays, visible);
+    return;
+  }
+  RTCIntersectContext context = context_for(Coherence::low);
+  std::fill_n(rays.end.begin(), rays.count, kInfinity);
+  const RTCRayNp stream = {
+      rays.origin[0].data(),    rays.origin[1].data(),    rays.origin[2].data(),
+      rays.zero.data(),         rays.direction[0].data(), rays.direction[1].data(),
+      rays.direction[2].data(), rays.zero.data(),         rays.end.data(),
+      rays.all_bits.data(),     rays.no_bits.data(),      rays.no_bits.data()};
+  rtcOccludedNp(state_->tree.get(), &context, &stream, static_cast<unsigned>(rays.count));
+  for (std::size_t i = 0; i < rays.count; ++i) visible[i] = escaped(rays.end[i]);
 }
 
 Vec3f RayScene::ray_origin(const SurfaceHit& hit, const Vec3f& direction) {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/scene/scene.h"
+#include "core/scene/sky_rays.h"
 
 namespace rimlight {
 
@@ -25,6 +26,9 @@ struct SurfaceHit {
   Brdf brdf;         // the texture looked up
   float offset = 0;  // move rays' origins this far along geometric_normal to leave the surface
 };
+
+/// Whether rays that follow each other in a stream meet mostly the same parts of the scene.
+enum class Coherence { low, high };
 
 /// The scene in Embree, ready for rays. The tree is built by one thread with fixed settings, so
 /// that the same scene gives the same hits. Immutable; any thread (with denormals flushed, see
@@ -46,6 +50,15 @@ class RayScene {
   /// nothing. Flushes denormals on the calling thread.
   void visible(std::span<const Ray> rays, std::span<const float> far,
                std::span<std::uint8_t> visible) const;
+
+  /// The same for rays to the sky that are already laid out for Embree: visible[i] for the first
+  /// `rays.count` of them, for which there must be room. The rays stay as they are.
+  ///
+  /// Coherent rays go through the tree as packets of 16 on processors with vectors of 16 floats:
+  /// 1.6 times as fast where rays that follow each other start nearby and are almost parallel, half
+  /// as fast where they are not. Both ways agree but for rays that pass an edge within a rounding
+  /// error.
+  void visible(SkyRays& rays, Coherence coherence, std::span<std::uint8_t> visible) const;
 
   /// A point to start a ray from `hit` towards `direction`, clear of the surface.
   static Vec3f ray_origin(const SurfaceHit& hit, const Vec3f& direction);

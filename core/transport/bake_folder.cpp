@@ -9,26 +9,13 @@
 #include "core/basis/cube_map.h"
 #include "core/image/image_file.h"
 #include "core/transport/bake_manifest.h"
+#include "core/transport/bake_tensors.h"
 
 namespace rimlight {
 namespace {
 
 constexpr std::size_t kMostFiles = 4096;
 constexpr std::size_t kMostImagePixels = std::size_t{1} << 28;
-
-std::string shape_text(const std::vector<std::size_t>& shape) {
-  std::string text = "[";
-  for (const std::size_t side : shape) text += (text.size() > 1 ? ", " : "") + std::to_string(side);
-  return text + "]";
-}
-
-void expect_shape(const TensorFile& file, const std::string& path, const std::string& name,
-                  const std::vector<std::size_t>& expected) {
-  const auto& found = file.shape(name);
-  if (found == expected) return;
-  throw Error(path + ": tensor " + quote(name), "shape " + shape_text(found),
-              "shape " + shape_text(expected));
-}
 
 }  // namespace
 
@@ -51,8 +38,14 @@ Bake::Bake(const std::filesystem::path& folder) : folder_(folder) {
   file_sizes_ = {{kManifestFile, text.size()},
                  {kManifestHashFile, manifest_hash_line(text).size()}};
   for (const auto& item : files_) file_sizes_.emplace_back(item.first, item.second.byte_count());
-  read_transport();
-  read_coverage();
+  const auto path = [this](const char* name) { return (folder_ / name).string(); };
+  const std::size_t columns = cube::texel_count(manifest_.cube_size);
+  transport_ = read_transport(file(kTransportFile), path(kTransportFile),
+                              manifest_.pixels.tile_count(), columns);
+  column_bytes_ = count_column_bytes(transport_);
+  coverage_ = read_coverage(file(kPixelsFile), path(kPixelsFile), manifest_.pixels);
+  reflectance_ = read_reflectance(file(kPixelsFile), path(kPixelsFile), manifest_.pixels);
+  sketch_ = read_sketch(file(kSketchFile), path(kSketchFile), columns);
   for (const JsonReader& environment : reader.member("environments").elements(1, kMostFiles)) {
     read_environment(environment);
   }
@@ -64,39 +57,6 @@ const TensorFile& Bake::file(const std::string& name) const {
   const auto found = files_.find(name);
   if (found != files_.end()) return found->second;
   throw Error((folder_ / kManifestFile).string() + ": /files", "no " + quote(name), quote(name));
-}
-
-void Bake::read_transport() {
-  const TensorFile& tensors = file(kTransportFile);
-  const std::string path = (folder_ / kTransportFile).string();
-  const std::size_t tiles = manifest_.pixels.tile_count();
-  const std::size_t columns = cube::texel_count(manifest_.cube_size);
-  expect_shape(tensors, path, "tile_first_block", {tiles + 1});
-  expect_shape(tensors, path, "column_offset", {tiles, columns + 1});
-  expect_shape(tensors, path, "column_scale", {tiles, columns});
-  const auto index = tensors.tensor<std::uint16_t>("block_index", ElementType::u16);
-  expect_shape(tensors, path, "block_index", {index.size()});
-  expect_shape(tensors, path, "value", {index.size(), 3, kBlockReceivers});
-  transport_ = TransportView(
-      {.tile_count = tiles,
-       .column_count = columns,
-       .tile_first_block = tensors.tensor<std::uint64_t>("tile_first_block", ElementType::u64),
-       .column_offset = tensors.tensor<std::uint32_t>("column_offset", ElementType::u32),
-       .column_scale = tensors.tensor<float>("column_scale", ElementType::f32),
-       .block_index = index,
-       .values = tensors.tensor<Half>("value", ElementType::f16)},
-      path);
-}
-
-void Bake::read_coverage() {
-  const TensorFile& tensors = file(kPixelsFile);
-  const std::string path = (folder_ / kPixelsFile).string();
-  const auto height = static_cast<std::size_t>(manifest_.pixels.height);
-  const auto width = static_cast<std::size_t>(manifest_.pixels.width);
-  expect_shape(tensors, path, "coverage", {height, width});
-  for (const std::uint8_t share : tensors.tensor<std::uint8_t>("coverage", ElementType::u8)) {
-    coverage_.push_back(static_cast<float>(share) / 255);
-  }
 }
 
 void Bake::read_environment(const JsonReader& json) {

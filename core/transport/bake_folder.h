@@ -14,19 +14,21 @@
 #include "core/light/environment.h"
 #include "core/math/camera.h"
 #include "core/transport/receivers.h"
+#include "core/transport/sketch.h"
 #include "core/transport/tensor_file.h"
 #include "core/transport/tile_transport.h"
 #include "core/transport/transport.h"
 
 namespace rimlight {
 
-inline constexpr int kBakeVersion = 1;
+inline constexpr int kBakeVersion = 2;
 
 /// Files of a bake; docs/formats/bake.md has the tensors of each.
 inline constexpr const char* kManifestFile = "manifest.json";
 inline constexpr const char* kManifestHashFile = "manifest.json.xxh64";
 inline constexpr const char* kTransportFile = "transport.safetensors";
 inline constexpr const char* kPixelsFile = "pixels.safetensors";
+inline constexpr const char* kSketchFile = "sketch.safetensors";
 
 /// An environment as a bake keeps it: its image, as it was read or made, and the exposure that
 /// shows the bake well in it.
@@ -68,12 +70,17 @@ class BakeWriter {
                                            const std::vector<TensorShape>& tensors);
   void add_file(const std::string& file, const TensorFileWriter::Summary& summary);
 
-  /// The transport, tile by tile: `tile(t)` is asked three times for each t, in ascending order
-  /// each time, and its answer is used up before the next is asked for. Blocks written.
+  /// The transport, tile by tile: `tile(t)` is asked twice for each t, from several threads at
+  /// once; a few tiles are in memory at a time. Returns the bytes of all runs.
   std::size_t add_transport(std::size_t tile_count,
-                            const std::function<const TileTransport&(std::size_t)>& tile);
-  /// Share of each pixel that geometry covers, in [0, 1]: [height][width]; kept in 8 bits.
-  void add_coverage(const PixelLayout& pixels, std::span<const float> coverage);
+                            const std::function<TileTransport(std::size_t)>& tile);
+  /// What each pixel has beside its row, [height][width]: the share of it that geometry covers, in
+  /// [0, 1], kept in 8 bits; and its reflectance (receiver_planes.h), finite, ≥ 0.
+  void add_pixels(const PixelLayout& pixels, std::span<const float> coverage,
+                  std::span<const Vec3f> reflectance);
+  /// Sketches what add_transport() and add_pixels() have written; `sums` are of what it was made
+  /// of. Reads all of it back, in parallel.
+  void add_sketch(const SketchSums& sums, const PixelLayout& pixels);
   /// At least one; names differ. The first is the default.
   void add_environment(const BakedEnvironment& environment);
 
@@ -105,6 +112,11 @@ class Bake {
   const TransportView& transport() const { return transport_; }
   /// Share of a pixel that geometry covers, in [0, 1]: [height][width].
   const std::vector<float>& coverage() const { return coverage_; }
+  /// The reflectance that restore_radiance() takes; padded receivers have 0.
+  const ReceiverValues& reflectance() const { return reflectance_; }
+  const Sketch& sketch() const { return sketch_; }
+  /// count_column_bytes() of the transport.
+  const std::vector<std::uint32_t>& column_bytes() const { return column_bytes_; }
   const std::vector<BakedEnvironment>& environments() const { return environments_; }
   /// Names and bytes of the files on disk, for inspect.
   std::vector<std::pair<std::string, std::uint64_t>> files() const { return file_sizes_; }
@@ -113,8 +125,6 @@ class Bake {
 
  private:
   const TensorFile& file(const std::string& name) const;
-  void read_transport();
-  void read_coverage();
   void read_environment(const JsonReader& json);
 
   std::filesystem::path folder_;
@@ -123,6 +133,9 @@ class Bake {
   std::vector<std::pair<std::string, std::uint64_t>> file_sizes_;
   TransportView transport_;
   std::vector<float> coverage_;
+  std::vector<std::uint32_t> column_bytes_;
+  ReceiverValues reflectance_;
+  Sketch sketch_;
   std::vector<BakedEnvironment> environments_;
 };
 

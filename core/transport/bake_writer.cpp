@@ -12,8 +12,10 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
+#include "core/base/parallel.h"
 #include "core/transport/bake_folder.h"
 #include "core/transport/bake_manifest.h"
+#include "core/transport/bake_tensors.h"
 
 namespace rimlight {
 namespace {
@@ -72,6 +74,18 @@ void exchange_or_rename(const fs::path& made, const fs::path& name) {
   fs::remove_all(replaced);
 }
 
+/// Makes tiles on all cores, a few at a time, and uses them one by one in ascending order.
+template <typename Make, typename Use>
+void for_each_in_order(std::size_t count, const Make& make, const Use& use) {
+  constexpr std::size_t kTilesAtOnce = 8;
+  std::vector<TileTransport> tiles(kTilesAtOnce);
+  for (std::size_t first = 0; first < count; first += kTilesAtOnce) {
+    const std::size_t some = std::min(kTilesAtOnce, count - first);
+    parallel_for(some, [&](std::size_t i) { tiles[i] = make(first + i); });
+    std::for_each_n(tiles.begin(), some, use);
+  }
+}
+
 }  // namespace
 
 /// Held as long as its file is open: a killed writer leaves none.
@@ -118,49 +132,67 @@ void BakeWriter::add_file(const std::string& file, const TensorFileWriter::Summa
   RIMLIGHT_CHECK(files_.emplace(file, summary).second);
 }
 
-std::size_t BakeWriter::add_transport(
-    std::size_t tile_count, const std::function<const TileTransport&(std::size_t)>& tile) {
+std::size_t BakeWriter::add_transport(std::size_t tile_count,
+                                      const std::function<TileTransport(std::size_t)>& tile) {
   RIMLIGHT_CHECK(tile_count > 0);
-  std::vector<std::uint64_t> first_block = {0};
-  std::vector<std::uint32_t> column_offset;
-  std::vector<float> column_scale;
-  for (std::size_t t = 0; t < tile_count; ++t) {
-    const TileTransport& next = tile(t);
-    first_block.push_back(first_block.back() + next.block_count());
-    column_offset.insert(column_offset.end(), next.column_offset.begin(), next.column_offset.end());
-    column_scale.insert(column_scale.end(), next.column_scale.begin(), next.column_scale.end());
-    RIMLIGHT_CHECK_EQ(column_scale.size(), (t + 1) * next.column_count());
-  }
-  const std::size_t columns = column_scale.size() / tile_count, blocks = first_block.back();
+  std::vector<std::uint64_t> first_word = {0};
+  std::vector<std::uint32_t> run_offset;
+  std::vector<float> step;
+  for_each_in_order(tile_count, tile, [&](const TileTransport& next) {
+    if (first_word.size() == 1) step = next.column_step;
+    RIMLIGHT_CHECK(next.column_step == step);
+    first_word.push_back(first_word.back() + next.runs.size());
+    run_offset.insert(run_offset.end(), next.run_offset.begin(), next.run_offset.end());
+  });
+  const std::size_t columns = step.size(), words = first_word.back();
+  RIMLIGHT_CHECK_EQ(run_offset.size(), tile_count * (columns + 1));
   const auto writer =
-      create(kTransportFile, {{"tile_first_block", ElementType::u64, {tile_count + 1}},
-                              {"column_offset", ElementType::u32, {tile_count, columns + 1}},
-                              {"column_scale", ElementType::f32, {tile_count, columns}},
-                              {"block_index", ElementType::u16, {blocks}},
-                              {"value", ElementType::f16, {blocks, 3, kBlockReceivers}}});
-  writer->append(std::span<const std::uint64_t>(first_block));
-  writer->append(std::span<const std::uint32_t>(column_offset));
-  writer->append(std::span<const float>(column_scale));
-  for (std::size_t t = 0; t < tile_count; ++t) {
-    writer->append(std::span<const std::uint16_t>(tile(t).block_index));
-  }
-  for (std::size_t t = 0; t < tile_count; ++t) writer->append(std::span<const Half>(tile(t).value));
+      create(kTransportFile, {{"column_step", ElementType::f32, {columns}},
+                              {"tile_first_word", ElementType::u64, {tile_count + 1}},
+                              {"run_offset", ElementType::u32, {tile_count, columns + 1}},
+                              {"runs", ElementType::u64, {words}}});
+  writer->append(std::span<const float>(step));
+  writer->append(std::span<const std::uint64_t>(first_word));
+  writer->append(std::span<const std::uint32_t>(run_offset));
+  for_each_in_order(tile_count, tile, [&](const TileTransport& next) {
+    writer->append(std::span<const std::uint64_t>(next.runs));
+  });
   add_file(kTransportFile, writer->finish());
-  return blocks;
+  return words * sizeof(std::uint64_t);
 }
 
-void BakeWriter::add_coverage(const PixelLayout& pixels, std::span<const float> coverage) {
+void BakeWriter::add_pixels(const PixelLayout& pixels, std::span<const float> coverage,
+                            std::span<const Vec3f> reflectance) {
   const auto height = static_cast<std::size_t>(pixels.height);
   const auto width = static_cast<std::size_t>(pixels.width);
   RIMLIGHT_CHECK_EQ(coverage.size(), height * width);
+  RIMLIGHT_CHECK_EQ(reflectance.size(), height * width);
   std::vector<std::uint8_t> bytes;
   for (const float share : coverage) {
     RIMLIGHT_CHECK(share >= 0 && share <= 1);
     bytes.push_back(static_cast<std::uint8_t>(std::lround(255 * share)));
   }
-  const auto writer = create(kPixelsFile, {{"coverage", ElementType::u8, {height, width}}});
+  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+  const auto writer = create(kPixelsFile, {{"coverage", ElementType::u8, {height, width}},
+                                           {"reflectance", ElementType::f32, {height, width, 3}}});
   writer->append(std::span<const std::uint8_t>(bytes));
+  writer->append(reflectance);
   add_file(kPixelsFile, writer->finish());
+}
+
+void BakeWriter::add_sketch(const SketchSums& sums, const PixelLayout& pixels) {
+  const auto open = [this](const char* name) {
+    return TensorFile(partial_ / name, files_.at(name));
+  };
+  const auto path = [this](const char* name) { return (partial_ / name).string(); };
+  const TensorFile transport_file = open(kTransportFile), pixels_file = open(kPixelsFile);
+  const std::size_t columns = sums.sums().size() / (3 * kSketchRows);
+  const TransportView stored =
+      read_transport(transport_file, path(kTransportFile), pixels.tile_count(), columns);
+  const auto writer = create(kSketchFile, sketch_tensors(columns));
+  write_sketch(*writer,
+               make_sketch(sums, stored, read_reflectance(pixels_file, path(kPixelsFile), pixels)));
+  add_file(kSketchFile, writer->finish());
 }
 
 void BakeWriter::add_environment(const BakedEnvironment& baked) {
@@ -182,7 +214,8 @@ void BakeWriter::add_environment(const BakedEnvironment& baked) {
 }
 
 void BakeWriter::commit(const BakeManifest& manifest) {
-  RIMLIGHT_CHECK(files_.contains(kTransportFile) && files_.contains(kPixelsFile));
+  RIMLIGHT_CHECK(files_.contains(kTransportFile) && files_.contains(kPixelsFile) &&
+                 files_.contains(kSketchFile));
   RIMLIGHT_CHECK(!environments_.empty());
   nlohmann::json json = manifest_to_json(manifest);
   json["environments"] = environments_;

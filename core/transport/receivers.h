@@ -2,14 +2,16 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/base/aligned_vector.h"
+#include "core/math/vec.h"
 
 namespace rimlight {
 
 /// Receivers (rows of M) are stored in tiles of 4,096, a tile in blocks of 8: the unit of a sparse
-/// column. Radiance lies as [tile][block][channel][8], so that a block's channel is one SIMD
-/// vector.
+/// column. What belongs to receivers lies as [tile][block][channel][8], so that a block's channel
+/// is one SIMD vector.
 inline constexpr std::size_t kBlockReceivers = 8;
 inline constexpr std::size_t kTileBlocks = 512;
 inline constexpr std::size_t kTileReceivers = kTileBlocks * kBlockReceivers;
@@ -44,22 +46,36 @@ struct PixelLayout {
   Pixel pixel(std::size_t receiver) const;
 };
 
-/// B: radiance of all receivers, [tile][block][channel][8]. Zero when made.
-class Radiance {
+/// Three numbers for each receiver, or for each pixel Haar coefficient: [tile][block][channel][8].
+/// Zero when made.
+class ReceiverValues {
  public:
-  Radiance() = default;
-  explicit Radiance(std::size_t tile_count) : values_(tile_count * kTileFloats) {}
+  ReceiverValues() = default;
+  explicit ReceiverValues(std::size_t tile_count) : values_(tile_count * kTileFloats) {}
 
   std::size_t tile_count() const { return values_.size() / kTileFloats; }
   float* tile(std::size_t t) { return values_.data() + t * kTileFloats; }
   const float* tile(std::size_t t) const { return values_.data() + t * kTileFloats; }
-  float at(std::size_t receiver, int channel) const {
-    const std::size_t block = receiver / kBlockReceivers;
-    return values_[block * kBlockFloats + static_cast<std::size_t>(channel) * kBlockReceivers +
-                   receiver % kBlockReceivers];
+  std::span<float, kTileFloats> tile_span(std::size_t t) {
+    return std::span<float, kTileFloats>(tile(t), kTileFloats);
+  }
+  std::span<const float, kTileFloats> tile_span(std::size_t t) const {
+    return std::span<const float, kTileFloats>(tile(t), kTileFloats);
+  }
+  Vec3f at(std::size_t receiver) const {
+    const float* const first = values_.data() + place(receiver);
+    return {first[0], first[kBlockReceivers], first[2 * kBlockReceivers]};
+  }
+  void set(std::size_t receiver, const Vec3f& value) {
+    float* const first = values_.data() + place(receiver);
+    for (int c = 0; c < 3; ++c) first[static_cast<std::size_t>(c) * kBlockReceivers] = value[c];
   }
 
  private:
+  static std::size_t place(std::size_t receiver) {
+    return receiver / kBlockReceivers * kBlockFloats + receiver % kBlockReceivers;
+  }
+
   AlignedVector<float> values_;
 };
 

@@ -6,14 +6,23 @@
 #include <span>
 #include <vector>
 
+#include "core/transport/receiver_planes.h"
 #include "core/transport/receivers.h"
 #include "core/transport/tile_transport.h"
 
 namespace rimlight {
 
-/// Compresses one tile: takes its 64 groups of 64 receivers one by one, keeps the blocks that
-/// matter, and puts them together column by column. Memory: a group's dense rows belong to the
-/// caller; here lies what is kept, as floats (100 bytes a block).
+/// How finely transport is stored: what compression is chosen by.
+struct StorageStep {
+  float step = 0;          // of all columns: numbers are rounded to multiples of it
+  float least_energy = 3;  // a block whose Σ (rounded value / step)² is below is left out
+
+  friend bool operator==(const StorageStep&, const StorageStep&) = default;
+};
+
+/// Compresses one tile: takes its 64 groups of 64 receivers one by one as planes, keeps the blocks
+/// that matter, and puts them together column by column. Memory: a group's dense rows belong to the
+/// caller; here lies what is kept, as floats (32 bytes a block).
 /// Any thread may add any group; groups of different places may be added at once. The result does
 /// not depend on the order.
 class TileBuilder {
@@ -21,34 +30,32 @@ class TileBuilder {
   static constexpr std::size_t kGroups = kTileReceivers / PixelLayout::kGroupReceivers;
   static constexpr std::size_t kGroupBlocks = PixelLayout::kGroupReceivers / kBlockReceivers;
 
-  /// Keeps a block when its largest |m| over 3 × 8 entries, times its column's weight, is above
-  /// `threshold`; magnitudes below FLT_MIN are zero. `weights` [columns] ≥ 0 are copied.
-  TileBuilder(std::span<const float> weights, float threshold);
+  /// 1 … TransportView::kMostColumns columns; a finite step above 0.
+  TileBuilder(std::size_t column_count, const StorageStep& storage);
 
-  std::size_t column_count() const { return weights_.size(); }
+  std::size_t column_count() const { return column_count_; }
 
-  /// The receivers 64 · group … of the tile: rows [column][channel][64], receivers in order, so
-  /// that 8b … 8b + 7 are the group's block b. Finite, else CheckFailure. Each group at most once.
-  void add_group(std::size_t group, std::span<const float> rows);
+  /// The 64 receivers of one group: planes [column][plane][64] as to_planes() makes them. Finite,
+  /// else CheckFailure. Each group at most once.
+  void add_group(std::size_t group, std::span<const float> planes);
 
-  /// Runs by column; a run's scale is its largest |m|, its values m / scale rounded to the nearest
-  /// half, ties to even: within 2⁻¹¹ of each value's own size, or 2⁻²⁵ of the scale. Blocks whose
-  /// halves are all zero are left out. Groups that were not added are zero.
+  /// Groups that were not added are zero. A number is within half a step of what it was made of, or
+  /// relative 2⁻²³ where the step does not reach; or its block was left out.
   TileTransport assemble() const;
 
  private:
-  /// The kept blocks of one group, by column, then block.
+  /// The blocks of one group that may be kept, by column, then plane, then block.
   struct Group {
     struct Column {
       std::uint32_t column;
-      std::uint32_t block_mask;
+      std::uint32_t block_mask;  // bit plane · 8 + block
     };
     std::vector<Column> columns;
-    std::vector<float> values;  // [kept block][3][8]
+    std::vector<float> values;  // [block][8], in steps
   };
 
-  std::vector<float> weights_;
-  float threshold_;
+  std::size_t column_count_;
+  StorageStep storage_;
   std::array<Group, kGroups> groups_;
 };
 

@@ -31,7 +31,7 @@ std::string header_text(const FrameHeader& header) {
                   {"exact", header.exact},
                   {"terms", header.terms},
                   {"residual", header.residual},
-                  {"estimate", nullptr},
+                  {"estimate", header.estimate ? json(*header.estimate) : json()},
                   {"unshown", json::array()},
                   {"times",
                    {{"queue_ms", rounded_ms(header.queue_ms)},
@@ -55,6 +55,9 @@ FrameHeader read_header(const JsonReader& reader) {
   header.exact = reader.member("exact").boolean();
   header.terms = reader.member("terms").integer(0, kLargestWhole);
   header.residual = reader.member("residual").number(0);
+  if (const auto estimate = reader.member("estimate"); !estimate.value().is_null()) {
+    header.estimate = estimate.number(0);
+  }
   const JsonReader times = reader.member("times");
   header.queue_ms = times.member("queue_ms").number(0, kLargestMs);
   header.rotate_ms = times.member("rotate_ms").number(0, kLargestMs);

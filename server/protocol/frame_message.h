@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,9 +21,10 @@ struct FrameHeader {
   int width = 0;
   int height = 0;
   bool exact = false;
-  std::int64_t terms = 0;  // columns applied
-  double residual = 0;     // ‖target − held‖₁ / ‖target‖₁ of the lighting
-  double queue_ms = 0;     // from when the frame was wanted to when its work began
+  std::int64_t terms = 0;          // columns applied
+  double residual = 0;             // ‖target − held‖₁ / ‖target‖₁ of the lighting
+  std::optional<double> estimate;  // relative L2 error of the image, estimated
+  double queue_ms = 0;             // from when the frame was wanted to when its work began
   double rotate_ms = 0;
   double update_ms = 0;
   double display_ms = 0;

@@ -186,6 +186,7 @@ FramePtr DesignSession::make_frame(const Task& task) {
   header.exact = exact;
   header.terms = static_cast<std::int64_t>(report.terms);
   header.residual = report.residual;
+  header.estimate = report.estimate;
   header.queue_ms = task.queue_ms;
   header.rotate_ms = report.rotate_ms;
   header.update_ms = report.update_ms;

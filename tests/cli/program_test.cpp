@@ -91,6 +91,25 @@ TEST_F(Program, BadScenesEndWithOneNameTheFieldAndLeaveNothing) {
   EXPECT_EQ(run_program({"bake", path("missing.json")}).status, 1);
 }
 
+TEST_F(Program, ServeTakesEveryPolicyAndListsThemForAnyOther) {
+  const std::string missing = path("missing.bake");
+  for (const char* const policy : {"linear", "nwa", "bi:unweighted", "pbi:exhaustive", "benefit"}) {
+    const ProgramResult taken = run_program({"serve", missing, "--policy", policy});
+    EXPECT_EQ(taken.status, 1) << "it is the bake that is wrong";
+    EXPECT_THAT(taken.errors, HasSubstr("missing.bake")) << policy;
+  }
+  const ProgramResult refused = run_program({"serve", missing, "--policy", "pbi:deal"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.errors, HasSubstr("\"dealer\""));
+  write(folder_ / "server.json", R"({ "policy": "best" })");
+  const ProgramResult configured = run_program({"serve", missing, "--config", path("server.json")});
+  EXPECT_EQ(configured.status, 1);
+  EXPECT_THAT(configured.errors, HasSubstr("server.json: /policy: found \"best\""));
+  for (const char* const name : {"linear", "nwa", "bi", "pbi", "benefit"}) {
+    EXPECT_THAT(configured.errors, HasSubstr(name));
+  }
+}
+
 TEST_F(Program, BakesInspectsAndRenders) {
   bake_scene();
   const ProgramResult inspected = run_program({"inspect", path("a.bake"), "--verify", "--json"});
@@ -151,6 +170,25 @@ TEST_F(Program, BadRenderRequestsSayWhatWasExpected) {
   EXPECT_THAT(huge.errors, HasSubstr("cut.hdr"));
 }
 
+TEST_F(Program, LoadPlaysOnlySequencesThatEditsCanShow) {
+  // Refused before any server is looked for: there is none at this address.
+  const auto load = [](const std::vector<std::string>& extra) {
+    std::vector<std::string> arguments = {"load", "--url", "ws://127.0.0.1:1"};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    return run_program(arguments);
+  };
+  for (const char* name : {"area-light", "blend", "flicker", "paint"}) {
+    const ProgramResult result = load({"--sequence", name});
+    EXPECT_EQ(result.status, 1);
+    EXPECT_THAT(result.errors, HasSubstr("sequence \"" + std::string(name) + "\": found light"));
+  }
+  EXPECT_THAT(load({"--sequence", "rotation"}).errors, HasSubstr("127.0.0.1:1"));
+  EXPECT_THAT(load({"--sequence", "spin"}).errors, HasSubstr("\"rotation\""));
+  write(folder_ / "bad.json", R"({"tracks": [{"light": "moon"}]})");
+  EXPECT_THAT(load({"--sequence", path("bad.json")}).errors, HasSubstr("/tracks/0/light"));
+  EXPECT_EQ(load({"--sequence", "rotation", "--script", "x.json"}).status, 2);
+}
+
 TEST_F(Program, ADamagedBakeIsRefusedByEveryCommand) {
   bake_scene();
   const auto file = folder_ / "a.bake" / "transport.safetensors";
@@ -174,8 +212,8 @@ TEST_F(Program, ABakeThatWasKilledResumesToTheSameBytes) {
   ASSERT_EQ(run_program({"bake", path("wide.json"), "-o", path("whole.bake")}).status, 0);
   {
     test::RunningProgram baking({"bake", path("wide.json"), "-o", path("killed.bake")});
-    const auto first_tile = folder_ / "killed.bake.partial" / "tiles" / "tile-0.part.json";
-    while (baking.is_running() && !std::filesystem::exists(first_tile)) {
+    const auto first_tile_done = folder_ / "killed.bake.partial" / "tiles" / "tile-1.sums.json";
+    while (baking.is_running() && !std::filesystem::exists(first_tile_done)) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     ASSERT_TRUE(baking.is_running()) << "it ended before it could be killed";

@@ -224,6 +224,15 @@ test('rimlight load checks the server, and its report fits the schema', async ()
   assert.ok(report.frames_per_second > 0);
 });
 
+test('rimlight load plays a light sequence to its end', async () => {
+  const { code, stdout, stderr } = await run(['load', '--url', `ws://${server.host}`,
+    '--sequence', resolve(root, 'configs/sequences/rotation.json'), '--bake', bake, '--json']);
+  const report = JSON.parse(stdout);
+  assert.equal(code, 0, stdout + stderr);
+  assert.ok(report.checks.every((check) => check.pass === true), stdout);
+  assert.ok(report.frames_per_second > 0);
+});
+
 test('the list of scenes fits its schema', async () => {
   const response = await fetch(`${server.address}api/scenes`);
   assert.equal(faults('scenes', await response.json()), '');

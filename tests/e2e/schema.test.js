@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
-import { existsSync, readdirSync, readFileSync } from 'node:fs';
-import { join, resolve } from 'node:path';
+import { readdirSync, readFileSync } from 'node:fs';
+import { resolve } from 'node:path';
 import { test } from 'node:test';
 import { compile, faults, parseWithComments, readSchema, validators } from './schemas.js';
 import { root } from './server.js';
@@ -53,17 +53,40 @@ test('the example configurations and load scripts fit', () => {
   assert.equal(faults('load_script', read('configs/load/swing.json')), '');
 });
 
-const sceneSchema = resolve(root, 'docs/formats/scene.schema.json');
-const examples = resolve(root, 'tests/core/scene/examples');
-test('the scene schema takes the good examples and refuses the bad',
-  { skip: existsSync(sceneSchema) && existsSync(examples) ? false : 'no scene schema here' }, () => {
-    const validate = compile(readSchema(sceneSchema));
-    for (const [kind, expected] of [['good', true], ['bad', false]]) {
-      const files = readdirSync(join(examples, kind)).filter((name) => name.endsWith('.json'));
-      assert.ok(files.length > 0, kind);
-      for (const name of files) {
-        const value = parseWithComments(readFileSync(join(examples, kind, name), 'utf8'));
-        assert.equal(validate(value), expected, `${kind}/${name}: ${JSON.stringify(validate.errors)}`);
-      }
+/** Holds a schema of docs/formats to a folder of good and bad examples. */
+function checkExamples(schema, folder) {
+  const validate = compile(readSchema(resolve(root, 'docs/formats', schema)));
+  for (const [kind, expected] of [['good', true], ['bad', false], ['bad_beyond_schema', true]]) {
+    const files = readdirSync(resolve(root, folder, kind)).filter((name) => name.endsWith('.json'));
+    assert.ok(files.length > 0, kind);
+    for (const name of files) {
+      const value = parseWithComments(readFileSync(resolve(root, folder, kind, name), 'utf8'));
+      assert.equal(validate(value), expected, `${kind}/${name}: ${JSON.stringify(validate.errors)}`);
     }
-  });
+  }
+  return validate;
+}
+
+test('the scene schema takes the good examples and refuses the bad', () => {
+  checkExamples('scene.schema.json', 'tests/core/scene/examples');
+});
+
+test('the schema of light directions takes the good examples and that of its page, and refuses the bad', () => {
+  const validate = checkExamples('directions.schema.json', 'tests/core/import/examples');
+  const page = readFileSync(resolve(root, 'docs/formats/import.md'), 'utf8');
+  const [, example] = page.match(/```json\n([\s\S]*?)```/);
+  assert.ok(validate(parseWithComments(example)), JSON.stringify(validate.errors));
+});
+
+test('the light sequence schema takes the good examples and the built-in sequences, and refuses the bad', () => {
+  const validate = checkExamples('light_sequence.schema.json', 'tests/core/light/sequences');
+  const files = readdirSync(resolve(root, 'configs/sequences'));
+  assert.ok(files.length >= 5);
+  for (const name of files) {
+    const value = parseWithComments(readFileSync(resolve(root, 'configs/sequences', name), 'utf8'));
+    assert.ok(validate(value), `${name}: ${JSON.stringify(validate.errors)}`);
+  }
+  const page = readFileSync(resolve(root, 'docs/formats/light_sequence.md'), 'utf8');
+  const [, example] = page.match(/```json\n([\s\S]*?)```/);
+  assert.ok(validate(parseWithComments(example)), JSON.stringify(validate.errors));
+});

@@ -114,6 +114,7 @@ FrameHeader sample_header() {
   header.exact = true;
   header.terms = 6144;
   header.residual = 0.125;
+  header.estimate = 0.0625;
   header.queue_ms = 0.25;
   header.rotate_ms = 1.5;
   header.update_ms = 2.125;

@@ -1,26 +1,24 @@
 #include "tests/support/dense_transport.h"
 
-#include "core/base/half.h"
+#include <algorithm>
+
 #include "core/basis/cube_haar.h"
+#include "core/transport/column_kernel.h"
+#include "core/transport/receiver_planes.h"
 
 namespace rimlight::test {
 namespace {
 
-/// Haar coefficients of one receiver's channel.
-void read_coefficients(const TransportView& transport, std::size_t receiver, std::size_t channel,
-                       AlignedVector<float>& coefficients) {
-  const std::size_t tile = receiver / kTileReceivers;
-  const std::size_t block = receiver % kTileReceivers / kBlockReceivers;
-  for (std::size_t column = 0; column < transport.column_count(); ++column) {
-    const ColumnRun run = transport.run(tile, column);
-    coefficients[column] = 0;
-    for (std::size_t i = 0; i < run.block_index.size(); ++i) {
-      if (run.block_index[i] != block) continue;
-      const std::size_t at =
-          i * kBlockFloats + channel * kBlockReceivers + receiver % kBlockReceivers;
-      coefficients[column] = to_float(run.values[at]) * run.scale;
-    }
+/// Columns of one tile as radiance: [column], each of one tile.
+std::vector<ReceiverValues> decode_tile(const Bake& bake, std::size_t tile) {
+  std::vector<ReceiverValues> columns;
+  for (std::uint32_t column = 0; column < bake.transport().column_count(); ++column) {
+    ReceiverValues& values = columns.emplace_back(1);
+    const std::vector<ColumnDelta> one = {{column, {1, 1, 1}}};
+    add_columns(bake.transport(), tile, one, values.tile(0));
+    restore_radiance(values.tile_span(0), bake.reflectance().tile_span(tile));
   }
+  return columns;
 }
 
 }  // namespace
@@ -28,16 +26,22 @@ void read_coefficients(const TransportView& transport, std::size_t receiver, std
 std::vector<float> dense_transport(const Bake& bake) {
   const PixelLayout& pixels = bake.manifest().pixels;
   const CubeHaar haar(bake.manifest().cube_size);
-  AlignedVector<float> coefficients(haar.coefficient_count()), texels(haar.coefficient_count());
+  const std::size_t count = haar.coefficient_count();
+  AlignedVector<float> coefficients(count), texels(count);
   std::vector<float> matrix(static_cast<std::size_t>(pixels.width) *
-                            static_cast<std::size_t>(pixels.height) * texels.size() * 3);
-  float* row = matrix.data();
-  for (int y = 0; y < pixels.height; ++y) {
-    for (int x = 0; x < pixels.width; ++x, row += 3 * texels.size()) {
+                            static_cast<std::size_t>(pixels.height) * count * 3);
+  for (std::size_t tile = 0; tile < pixels.tile_count(); ++tile) {
+    const auto columns = decode_tile(bake, tile);
+    for (std::size_t i = 0; i < kTileReceivers; ++i) {
+      const auto [x, y] = pixels.pixel(tile * kTileReceivers + i);
+      if (x >= pixels.width || y >= pixels.height) continue;
+      float* const row = matrix.data() + static_cast<std::size_t>(y * pixels.width + x) * count * 3;
       for (std::size_t c = 0; c < 3; ++c) {
-        read_coefficients(bake.transport(), pixels.receiver(x, y), c, coefficients);
+        for (std::size_t j = 0; j < count; ++j) {
+          coefficients[j] = columns[j].at(i)[static_cast<int>(c)];
+        }
         haar.inverse(coefficients, texels);
-        for (std::size_t t = 0; t < texels.size(); ++t) row[3 * t + c] = texels[t];
+        for (std::size_t t = 0; t < count; ++t) row[3 * t + c] = texels[t];
       }
     }
   }

@@ -18,8 +18,8 @@ struct RandomTransport {
   std::uint64_t seed = 1;
 };
 
-/// Made through TileBuilder: values over six decades. Some columns have no block,
-/// some all.
+/// Made through TileBuilder with a step of 2⁻²⁴, nothing left out: values over six decades, so that
+/// every width is met. Some columns have no block, some all; chroma is rarer than luma.
 std::vector<TileTransport> random_tiles(const RandomTransport& settings);
 Transport random_transport(const RandomTransport& settings);
 

@@ -41,6 +41,16 @@ std::vector<float> small_coverage(const SmallBake& settings) {
   return coverage;
 }
 
+std::vector<Vec3f> small_reflectance(const SmallBake& settings) {
+  Random random(settings.seed, 3);
+  std::vector<Vec3f> reflectance;
+  for (const float coverage : small_coverage(settings)) {
+    const auto value = [&] { return static_cast<float>(coverage * random.uniform(0.2, 1)); };
+    reflectance.push_back({value(), value(), value()});
+  }
+  return reflectance;
+}
+
 std::vector<TileTransport> small_tiles(const SmallBake& settings) {
   return random_tiles({.tile_count = settings.pixels.tile_count(),
                        .column_count = cube::texel_count(settings.cube_size),
@@ -59,9 +69,11 @@ std::vector<BakedEnvironment> small_environments() {
 
 void fill(BakeWriter& writer, const SmallBake& settings) {
   const auto tiles = small_tiles(settings);
-  writer.add_transport(tiles.size(),
-                       [&](std::size_t t) -> const TileTransport& { return tiles[t]; });
-  writer.add_coverage(settings.pixels, small_coverage(settings));
+  writer.add_transport(tiles.size(), [&](std::size_t t) { return tiles[t]; });
+  writer.add_pixels(settings.pixels, small_coverage(settings), small_reflectance(settings));
+  // Sums of nothing: as if all of the transport were compression's error.
+  const SketchSums sums(cube::texel_count(settings.cube_size), 1);
+  writer.add_sketch(sums, settings.pixels);
   for (const BakedEnvironment& environment : small_environments()) {
     writer.add_environment(environment);
   }

@@ -22,6 +22,8 @@ struct SmallBake {
 BakeManifest small_manifest(const SmallBake& settings);
 /// Some pixels covered, some not, some half.
 std::vector<float> small_coverage(const SmallBake& settings);
+/// Of the covered pixels, from 0.1 to 1; 0 where nothing is covered.
+std::vector<Vec3f> small_reflectance(const SmallBake& settings);
 std::vector<TileTransport> small_tiles(const SmallBake& settings);
 /// "sky" (lat-long, 16 × 8, with a bright sun) and "room" (cube faces in a strip, 24 × 4).
 std::vector<BakedEnvironment> small_environments();

@@ -16,7 +16,7 @@ export class Measurements {
   constructor(document) {
     const field = (name) => document.getElementById(`stat-${name}`);
     this.#fields = Object.fromEntries(
-      ['fps', 'latency', 'terms', 'exact', 'residual', 'server'].map((name) => [name, field(name)]));
+      ['fps', 'latency', 'terms', 'exact', 'error', 'server'].map((name) => [name, field(name)]));
     this.#quality = document.getElementById('quality');
   }
 
@@ -35,7 +35,8 @@ export class Measurements {
     }
     this.#fields.terms.textContent = header.terms.toLocaleString('en');
     this.#fields.exact.textContent = header.exact ? 'exact' : 'approximate';
-    this.#fields.residual.textContent = `${(header.residual * 100).toFixed(2)} %`;
+    this.#fields.error.textContent =
+      header.estimate === null ? '–' : `${(header.estimate * 100).toFixed(2)} %`;
     this.#fields.server.textContent = `${work.toFixed(1)} ms, ${(bytes / 1024).toFixed(0)} KB`;
     this.#quality.dataset.exact = String(header.exact);
     const unshown = header.unshown.length > 0 ? ` · not shown: ${header.unshown.join(', ')}` : '';

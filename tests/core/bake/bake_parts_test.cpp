@@ -36,7 +36,7 @@ GroupSamples one_pixel(const std::vector<std::optional<SurfaceHit>>& hits) {
 TEST(PixelSurfaces, LikeHitsShareOneSurfaceWithTheirMeanAlbedo) {
   const auto samples = one_pixel({hit_with({0, 1, 0}, 0.5f), hit_with({0.1f, 1, 0}, 0.54f),
                                   std::nullopt, hit_with({0, 1, 0.1f}, 0.52f)});
-  std::vector<PixelSurface> surfaces;
+  PixelSurfaces surfaces;
   find_surfaces(samples, 0, surfaces);
   ASSERT_EQ(surfaces.size(), 1u);
   EXPECT_EQ(surfaces[0].hits.size(), 3u);
@@ -49,7 +49,7 @@ TEST(PixelSurfaces, LikeHitsShareOneSurfaceWithTheirMeanAlbedo) {
 TEST(PixelSurfaces, OtherNormalsAndOtherMaterialsAreOtherSurfaces) {
   const auto samples = one_pixel({hit_with({0, 1, 0}, 0.5f), hit_with({1, 0, 0}, 0.5f),
                                   hit_with({0, 1, 0}, 0.9f), hit_with({0, 1, 0}, 0.5f)});
-  std::vector<PixelSurface> surfaces;
+  PixelSurfaces surfaces;
   find_surfaces(samples, 0, surfaces);
   EXPECT_EQ(surfaces.size(), 3u);
 }
@@ -64,7 +64,7 @@ TEST(PixelSurfaces, SharesSumToTheCoverageHoweverManyKindsThereAre) {
   // Opposite normals, whose sum is zero.
   hits.emplace_back(hit_with({0, 0, 1}, 0.5f));
   hits.emplace_back(hit_with({0, 0, -1}, 0.5f));
-  std::vector<PixelSurface> surfaces;
+  PixelSurfaces surfaces;
   find_surfaces(one_pixel(hits), 0, surfaces);
   EXPECT_EQ(surfaces.size(), kMostSurfaces);
   float share = 0;
@@ -117,6 +117,8 @@ TileCheck random_check(std::size_t lights) {
   check.coverage.resize(kTileReceivers);
   for (float& value : check.coverage) value = random.uniform_float();
   check.images.assign(lights, std::vector<Vec3f>(kTileReceivers));
+  check.reflectance.resize(kTileReceivers);
+  for (Vec3f& value : check.reflectance) value = {1, random.uniform_float(), 0};
   for (auto& image : check.images) {
     for (Vec3f& pixel : image) pixel = {random.uniform_float(), 1, random.uniform_float()};
   }
@@ -130,6 +132,7 @@ TEST(TileCheckFile, ComesBackOrNotAtAll) {
   const auto loaded = load_check(folder / "a", 3, 42);
   ASSERT_TRUE(loaded.has_value());
   EXPECT_EQ(loaded->coverage, check.coverage);
+  EXPECT_EQ(loaded->reflectance, check.reflectance);
   EXPECT_EQ(loaded->images, check.images);
   EXPECT_FALSE(load_check(folder / "a", 3, 43).has_value()) << "another bake's";
   EXPECT_FALSE(load_check(folder / "a", 2, 42).has_value()) << "other lights";

@@ -43,10 +43,10 @@ TEST(ImageBake, KeepsTheErrorAskedForAndOpens) {
   const auto scene = small_scene();
   const BakeSummary summary = bake_image(scene, folder / "a.bake", {});
   EXPECT_GE(summary.worst_psnr_db, 45);
-  EXPECT_GT(summary.blocks, 1000u);
+  EXPECT_GT(summary.bytes, 10'000u);
   const Bake bake(folder / "a.bake");
   bake.verify();
-  EXPECT_EQ(bake.transport().block_count(), summary.blocks);
+  EXPECT_EQ(bake.transport().byte_count(), summary.bytes);
   EXPECT_EQ(bake.manifest().pixels.width, 128);
   EXPECT_EQ(bake.manifest().cube_size, 8);
   ASSERT_EQ(bake.environments().size(), 2u);
@@ -54,7 +54,7 @@ TEST(ImageBake, KeepsTheErrorAskedForAndOpens) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.bake.partial"));
 }
 
-TEST(ImageBake, LessErrorAskedForKeepsMoreBlocks) {
+TEST(ImageBake, LessErrorAskedForKeepsMore) {
   const test::TemporaryFolder folder;
   const auto coarse = small_scene();
   coarse->bake.psnr_db = 35;
@@ -62,7 +62,7 @@ TEST(ImageBake, LessErrorAskedForKeepsMoreBlocks) {
   fine->bake.psnr_db = 55;
   const BakeSummary few = bake_image(coarse, folder / "coarse.bake", {});
   const BakeSummary many = bake_image(fine, folder / "fine.bake", {});
-  EXPECT_LT(few.blocks, many.blocks);
+  EXPECT_LT(few.bytes, many.bytes);
   EXPECT_GE(few.worst_psnr_db, 35);
   EXPECT_GE(many.worst_psnr_db, 55);
 }

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <hwy/targets.h>
 #include <cmath>
 #include <vector>
 
 #include "core/math/random.h"
+#include "tests/core/bake/every_target.h"
 
 namespace rimlight {
 namespace {
@@ -15,22 +15,8 @@ void fill(AlignedVector<float>& values, Random& random) {
   for (float& value : values) value = static_cast<float>(random.uniform(-1, 1));
 }
 
-/// Runs a check under every SIMD target that this machine has.
-template <typename Check>
-int for_every_target(const Check& check) {
-  int targets = 0;
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    check();
-    ++targets;
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  return targets;
-}
-
 TEST(LaneKernel, AddsWeightedLanesWithinOneRounding) {
-  const int targets = for_every_target([] {
+  const int targets = test::for_every_target([] {
     Random random(5);
     AlignedVector<float> weights(kRowLanes), sum(kRowLanes);
     for (int round = 0; round < 20; ++round) {
@@ -59,7 +45,7 @@ TEST(LaneKernel, MultipliesRowsLikeADoubleLoop) {
   fill(rows.values, random);
   std::vector<CubeLight> lights(3, CubeLight(kSize));
   for (CubeLight& light : lights) fill(light.values, random);
-  for_every_target([&] {
+  test::for_every_target([&] {
     AlignedVector<float> images(lights.size() * kRowLanes, 99.0f);
     multiply_rows(rows, lights, images.data());
     double worst = 0;

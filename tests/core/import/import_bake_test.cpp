@@ -238,7 +238,7 @@ TEST_F(ImportBake, TheManifestSaysWhatWasImportedAndItsError) {
                 error.psnr_db, 0.01);
   }
   EXPECT_EQ(bake.environments().size(), 1u);
-  EXPECT_EQ(bake.transport().block_count(), summary.blocks);
+  EXPECT_EQ(bake.transport().byte_count(), summary.bytes);
 }
 
 TEST_F(ImportBake, FinerCubeMapsResampleBetter) {
@@ -284,6 +284,27 @@ TEST_F(ImportBake, BlackTransportIsABlackBake) {
   import_bake(ball(list), list, small_settings(), folder_ / "a.bake", {});
   const RgbImage image = render(folder_ / "a.bake", uniform_environment(1));
   for (const Vec3f& pixel : image.pixels) EXPECT_EQ(pixel, Vec3f());
+}
+
+TEST_F(ImportBake, WhatAKilledImportLeftIsNotTaken) {
+  namespace fs = std::filesystem;
+  const DirectionList list = list_of(random_directions(20, 11));
+  const auto keep = [&](const BakeProgress& progress) {
+    if (progress.stage != "compressing" || fs::exists(folder_ / "a.bake.partial")) return;
+    fs::copy(folder_ / "first.bake.partial", folder_ / "a.bake.partial",
+             fs::copy_options::recursive);
+  };
+  import_bake(ball(list), list, small_settings(), folder_ / "first.bake", keep);
+  ASSERT_TRUE(fs::exists(folder_ / "a.bake.partial"));
+  // The same transport, so that everything would fit; the next may be of another.
+  std::size_t steps = 0, resumed = 0;
+  import_bake(ball(list), list, small_settings(), folder_ / "a.bake",
+              [&](const BakeProgress& progress) {
+                ++steps;
+                resumed += progress.resumed ? 1 : 0;
+              });
+  EXPECT_GT(steps, 3u);
+  EXPECT_EQ(resumed, 0u);
 }
 
 TEST_F(ImportBake, AFailedImportLeavesTheOldBakeAndNothingElse) {

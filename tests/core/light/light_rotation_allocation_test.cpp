@@ -1,48 +1,26 @@
-// Counts every allocation of this test program, to see that a warm rotator makes none.
+// A warm rotator makes no allocation.
 #include <gtest/gtest.h>
-
-#include <atomic>
-#include <cstdlib>
-#include <new>
 
 #include "core/light/light_rotation.h"
 #include "tests/core/light/light_samples.h"
-
-namespace {
-std::atomic<long> allocations{0};
-
-void* allocate(std::size_t size, std::size_t alignment) {
-  ++allocations;
-  const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
-  if (void* const memory = std::aligned_alloc(alignment, rounded)) return memory;
-  throw std::bad_alloc();
-}
-}  // namespace
-
-void* operator new(std::size_t size) { return allocate(size, 16); }
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  return allocate(size, static_cast<std::size_t>(alignment));
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+#include "tests/support/allocation_count.h"
 
 namespace rimlight {
 namespace {
 
 TEST(LightRotation, AllocatesNothingOnceWarm) {
+  if (!test::kCountsAllocations) GTEST_SKIP() << "ThreadSanitizer has an operator new of its own";
   Random random(61);
   CubeLight light = random_light(32, random);
   light.values[100] = 1e5f;  // so that there is an excess
   LightRotator rotator(std::move(light));
   CubeLight target;
-  const long cold = allocations;
+  const std::size_t cold = test::allocation_count();
   rotator.rotate(random_rotation(random), target);
-  EXPECT_GT(allocations, cold) << "the count is alive: `target` was empty";
-  const long warm = allocations;
+  EXPECT_GT(test::allocation_count(), cold) << "the count is alive: `target` was empty";
+  const std::size_t warm = test::allocation_count();
   for (int i = 0; i < 100; ++i) rotator.rotate(random_rotation(random), target);
-  EXPECT_EQ(allocations, warm);
+  EXPECT_EQ(test::allocation_count(), warm);
 }
 
 }  // namespace

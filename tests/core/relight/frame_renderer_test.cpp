@@ -18,6 +18,7 @@
 #include "core/relight/prepared_environment.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/reference/columns.h"
+#include "tests/support/reference/pixel_haar.h"
 #include "tests/support/small_bake.h"
 #include "tests/support/temporary_folder.h"
 
@@ -28,8 +29,10 @@ const test::SmallBake kSettings{.cube_size = 8, .lowest = -0.2};
 constexpr int kBackgroundSize = 32;  // small, since projecting costs by its texels
 const Quaternion kTurned = normalized(Quaternion{0.1, -0.5, 0.3, 0.8});
 
-RelightSettings settings(PolicyKind policy = PolicyKind::pbi, std::size_t budget = 30) {
-  return {policy, budget, kBackgroundSize};
+RelightSettings settings(const char* policy = "pbi", std::size_t budget = 30) {
+  return {parse_policy(policy, "test"),
+          {FrameBudget::Unit::coefficients, static_cast<double>(budget)},
+          kBackgroundSize};
 }
 
 std::shared_ptr<const Bake> small_bake() {
@@ -69,7 +72,10 @@ Reference reference_image(const Bake& bake, const DesignState& state) {
   image.magnitude.resize(image.radiance.size());
   const std::vector<float> zero(kTileFloats);
   for (std::size_t tile = 0; tile < pixels.tile_count(); ++tile) {
-    const auto product = reference::add_columns(bake.transport(), tile, columns, zero);
+    const auto held = reference::add_columns(bake.transport(), tile, columns, zero);
+    const auto reflectance = bake.reflectance().tile_span(tile);
+    const auto product = reference::restore_radiance(held.value, reflectance, false);
+    const auto magnitude = reference::restore_radiance(held.magnitude, reflectance, true);
     for (std::size_t i = 0; i < kTileReceivers; ++i) {
       const auto [x, y] = pixels.pixel(tile * kTileReceivers + i);
       if (x >= pixels.width || y >= pixels.height) continue;
@@ -80,9 +86,9 @@ Reference reference_image(const Bake& bake, const DesignState& state) {
       const Vec3f behind = prepared->background.at(Vec3f(ray));
       for (int c = 0; c < 3; ++c) {
         const std::size_t lane = i / 8 * kBlockFloats + static_cast<std::size_t>(c) * 8 + i % 8;
-        image.geometry[at][c] = product.value[lane];
-        image.radiance[at][c] = product.value[lane] + (1 - double{bake.coverage()[at]}) * behind[c];
-        image.magnitude[at] = std::max(image.magnitude[at], product.magnitude[lane] + behind[c]);
+        image.geometry[at][c] = product[lane];
+        image.radiance[at][c] = product[lane] + (1 - double{bake.coverage()[at]}) * behind[c];
+        image.magnitude[at] = std::max(image.magnitude[at], magnitude[lane] + behind[c]);
       }
     }
   }
@@ -158,7 +164,7 @@ TEST(FrameRenderer, TheExactFrameHasTheSameBytesWhateverCameBefore) {
   FrameReport report;
   FrameRenderer first(bake, settings());
   ASSERT_TRUE(first.render_exact(last, fresh, report));
-  for (const PolicyKind policy : {PolicyKind::nwa, PolicyKind::pbi}) {
+  for (const char* const policy : {"linear", "nwa", "bi", "pbi", "benefit"}) {
     FrameRenderer renderer(bake, settings(policy, 20));
     for (int i = 0; i < 10; ++i) {
       renderer.render_moving({i % 4 == 0 ? "room" : "sky", axis_angle({0, 1, 0}, 0.2 * i), 0},
@@ -174,7 +180,7 @@ TEST(FrameRenderer, TheSameFramesHaveTheSameBytesAtAnyThreadCount) {
   std::vector<AlignedVector<std::uint8_t>> found;
   for (const int threads : {1, 2, 3}) {
     set_thread_count(threads);
-    FrameRenderer renderer(small_bake(), settings(PolicyKind::pbi, 20));
+    FrameRenderer renderer(small_bake(), settings("pbi", 20));
     Rgb8Image frame;
     AlignedVector<std::uint8_t> all;
     for (int i = 0; i < 6; ++i) {
@@ -188,8 +194,8 @@ TEST(FrameRenderer, TheSameFramesHaveTheSameBytesAtAnyThreadCount) {
   EXPECT_EQ(found[0], found[2]);
 }
 
-TEST(FrameRenderer, StaysWithinItsBudgetAndConvergesWhenTheLightIsStill) {
-  FrameRenderer renderer(small_bake(), settings(PolicyKind::pbi, 30));
+void expect_budget_and_convergence(const RelightSettings& settings) {
+  FrameRenderer renderer(small_bake(), settings);
   Rgb8Image frame, exact;
   FrameReport report = renderer.render_moving({"sky", {}, 0}, frame);
   EXPECT_EQ(report.bands_reset, 3u);
@@ -208,6 +214,13 @@ TEST(FrameRenderer, StaysWithinItsBudgetAndConvergesWhenTheLightIsStill) {
     different += frame.bytes[i] != exact.bytes[i];
   }
   EXPECT_LT(different, 20);
+}
+
+TEST(FrameRenderer, StaysWithinItsBudgetAndConvergesWhenTheLightIsStill) {
+  for (const char* const policy : {"bi", "pbi", "pbi:dealer:transport", "benefit"}) {
+    SCOPED_TRACE(policy);
+    expect_budget_and_convergence(settings(policy, 30));
+  }
 }
 
 TEST(FrameRenderer, AnAbandonedFrameIsNotTouched) {
@@ -232,7 +245,7 @@ TEST(FrameRenderer, AnAbandonedFrameIsNotTouched) {
 TEST(FrameRenderer, AllocatesNothingAfterTheFirstFrames) {
   if (!test::kCountsAllocations) GTEST_SKIP() << "no operator new of its own here";
   set_thread_count(1);  // so that the calling thread's allocations are all there are
-  FrameRenderer renderer(small_bake(), settings(PolicyKind::pbi, 30));
+  FrameRenderer renderer(small_bake(), settings("pbi", 30));
   Rgb8Image frame;
   FrameReport report;
   const std::function<bool()> never = [] { return false; };

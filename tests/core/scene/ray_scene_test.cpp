@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/check.h"
@@ -155,6 +157,53 @@ TEST(RayScene, AnswersDoNotDependOnTheBatch) {
   EXPECT_TRUE(std::equal(part.begin(), part.end(), whole.begin()));
 }
 
+/// All rays from `begin` on, with directions of many lengths.
+void lay_out(const std::vector<Ray>& all, std::size_t begin, SkyRays& sky) {
+  const std::span<const Ray> rays = std::span(all).subspan(begin);
+  sky.count = rays.size();
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const float scale = static_cast<float>(1 + i % 7);
+      sky.origin[static_cast<std::size_t>(c)][i] = rays[i].origin[c];
+      sky.direction[static_cast<std::size_t>(c)][i] = rays[i].direction[c] * scale;
+    }
+  }
+}
+
+TEST(RayScene, RaysLaidOutForTheSkyHaveTheSameAnswersCoherentOrNot) {
+  const auto scene = scene_of({triangle_soup(60, 4), triangle_soup(60, 5)});
+  const RayScene rays(scene);
+  Random random(39);
+  std::vector<Ray> batch;
+  while (batch.size() < SkyRays::kCapacity) {
+    const Ray ray = random_ray(random);
+    const Vec3d origin(ray.origin), direction(ray.direction);
+    const bool grown = reference::nearest_hit(*scene, origin, direction, kEdge).has_value();
+    if (grown == reference::nearest_hit(*scene, origin, direction, -kEdge).has_value()) {
+      batch.push_back(ray);  // no edge within kEdge
+    }
+  }
+  const auto expected = visible(rays, batch);
+  EXPECT_GT(std::count(expected.begin(), expected.end(), 0), 200);
+  EXPECT_GT(std::count(expected.begin(), expected.end(), 1), 200);
+  const auto sky = std::make_unique<SkyRays>();
+  for (const Coherence coherence : {Coherence::low, Coherence::high}) {
+    for (const std::size_t count : {1024, 1000, 17, 16, 1, 0}) {
+      const std::size_t begin = batch.size() - count;  // other rays each time, in the same place
+      lay_out(batch, begin, *sky);
+      const auto origins = sky->origin;
+      std::vector<std::uint8_t> got(count + 1, 7);
+      rays.visible(*sky, coherence, got);
+      EXPECT_TRUE(
+          std::equal(expected.end() - static_cast<long>(count), expected.end(), got.begin()))
+          << count;
+      EXPECT_EQ(got[count], 7) << "beyond the last ray";
+      EXPECT_EQ(sky->origin, origins);
+      EXPECT_EQ(sky->count, count);
+    }
+  }
+}
+
 TEST(RayScene, SizesThatDisagreeAreBugs) {
   const RayScene rays(scene_of({triangle_soup(5, 7)}));
   const std::vector<Ray> batch(3, Ray{{0, 0, 5}, {0, 0, 1}});
@@ -163,6 +212,12 @@ TEST(RayScene, SizesThatDisagreeAreBugs) {
   result.resize(3);
   const std::vector<float> far(2, 1.0f);
   EXPECT_THROW(rays.visible(batch, far, result), CheckFailure);
+  const auto sky = std::make_unique<SkyRays>();
+  sky->count = 4;
+  EXPECT_THROW(rays.visible(*sky, Coherence::low, result), CheckFailure);
+  sky->count = SkyRays::kCapacity + 1;
+  result.resize(sky->count);
+  EXPECT_THROW(rays.visible(*sky, Coherence::high, result), CheckFailure);
 }
 
 TEST(RayScene, AnEmptySceneSeesEverything) {

@@ -14,6 +14,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/transport/bake_folder.h"
+#include "core/transport/part_file.h"
 #include "tests/support/small_bake.h"
 #include "tests/support/temporary_folder.h"
 
@@ -133,11 +134,11 @@ TEST(BakeCrash, WhatAKilledCommitLeftIsUnlinkedAndNotOverwritten) {
   fs::rename(path, partial);
   const Bake shown(partial);
   const auto& arrays = shown.transport().arrays();
-  const std::vector<Half> before(arrays.values.begin(), arrays.values.end());
+  const std::vector<std::uint64_t> before(arrays.runs.begin(), arrays.runs.end());
   test::write_small_bake(path, {.density = 0.01, .seed = 2});
-  EXPECT_TRUE(std::ranges::equal(before, arrays.values));
+  EXPECT_TRUE(std::ranges::equal(before, arrays.runs));
   EXPECT_FALSE(fs::exists(partial));
-  EXPECT_LT(Bake(path).transport().block_count(), shown.transport().block_count());
+  EXPECT_LT(Bake(path).transport().byte_count(), shown.transport().byte_count());
 }
 
 TEST(BakeWriter, TwoWritersOfOneBakeAreRefused) {

@@ -1,4 +1,5 @@
 #include "core/transport/bake_folder.h"
+#include "core/transport/part_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -81,12 +82,17 @@ TEST(BakeFolder, GivesBackWhatWasWritten) {
   const Transport expected(tiles);
   const auto& found_arrays = bake.transport().arrays();
   const auto& arrays = expected.view().arrays();
-  EXPECT_TRUE(std::ranges::equal(found_arrays.tile_first_block, arrays.tile_first_block));
-  EXPECT_TRUE(std::ranges::equal(found_arrays.column_offset, arrays.column_offset));
-  EXPECT_TRUE(std::ranges::equal(found_arrays.column_scale, arrays.column_scale));
-  EXPECT_TRUE(std::ranges::equal(found_arrays.block_index, arrays.block_index));
-  EXPECT_TRUE(std::ranges::equal(found_arrays.values, arrays.values));
-  EXPECT_GT(arrays.values.size(), 0u);
+  EXPECT_TRUE(std::ranges::equal(found_arrays.column_step, arrays.column_step));
+  EXPECT_TRUE(std::ranges::equal(found_arrays.tile_first_word, arrays.tile_first_word));
+  EXPECT_TRUE(std::ranges::equal(found_arrays.run_offset, arrays.run_offset));
+  EXPECT_TRUE(std::ranges::equal(found_arrays.runs, arrays.runs));
+  EXPECT_GT(arrays.runs.size(), 0u);
+  const auto reflectance = test::small_reflectance(settings);
+  for (std::size_t i = 0; i < reflectance.size(); ++i) {
+    const std::size_t receiver =
+        settings.pixels.receiver(static_cast<int>(i % 70), static_cast<int>(i / 70));
+    ASSERT_EQ(bake.reflectance().at(receiver), reflectance[i]);
+  }
 }
 
 TEST(BakeFolder, KeepsEnvironmentsBitForBit) {
@@ -138,7 +144,7 @@ TEST(BakeFolder, AFlippedBitInAnyFileIsAnErrorThatNamesTheFile) {
     }
     test::overwrite(entry.path(), good);
   }
-  EXPECT_EQ(files, 6);
+  EXPECT_EQ(files, 7);
   EXPECT_EQ(error_of_opening(path), "");
 }
 
@@ -175,17 +181,17 @@ TEST(BakeFolder, AManifestFieldThatIsNotAsPromisedIsNamed) {
   };
   const auto null = nlohmann::json();
   const std::vector<Change> changes = {
-      {"/version", 2, "/version"},
-      {"/version", "1", "/version"},
+      {"/version", 3, "/version"},
+      {"/version", "2", "/version"},
       {"/kind", "vertex_sh", "/kind"},
       {"/scene", 3, "/scene"},
       {"/width", 0, "/width"},
       {"/width", 100000, "/width"},
       {"/width", 71, ""},  // still four tiles: the coverage does not fit
-      {"/width", 700, "tile_first_block"},
+      {"/width", 700, "tile_first_word"},
       {"/height", -1, "/height"},
       {"/cube_size", 5, "/cube_size"},
-      {"/cube_size", 8, "column_offset"},
+      {"/cube_size", 8, "column_step"},
       {"/cube_size", 4096, "/cube_size"},
       {"/camera/position", {0, 0}, "/camera/position"},
       {"/camera/target", {1, 2, 6}, "/camera"},
@@ -201,7 +207,7 @@ TEST(BakeFolder, AManifestFieldThatIsNotAsPromisedIsNamed) {
       {"/environments/0/layout", "automatic", "/environments/0/layout"},
       {"/environments/0/exposure_scale", 0, "/environments/0/exposure_scale"},
       {"/environments/0/exposure_scale", "1", "/environments/0/exposure_scale"},
-      {"/files/transport.safetensors/bytes", 5, "/files/transport.safetensors"},
+      {"/files/transport.safetensors/bytes", 5000000, "/files/transport.safetensors"},
       {"/files/transport.safetensors/xxh64/0", "0", "/files/transport.safetensors/xxh64/0"},
       {"/files/pixels.safetensors", null, "/files/pixels.safetensors"},
       {"/files/..~1evil", {{"bytes", 0}, {"xxh64", nlohmann::json::array()}}, "/files/..~1evil"},
@@ -248,7 +254,7 @@ TEST(BakeFolder, TheDocumentsExampleIsAManifestWithAllFields) {
     EXPECT_EQ(TensorFileSummary::from_json(summary).to_json(), summary.value());
     ++files;
   }
-  EXPECT_EQ(files, 3);
+  EXPECT_EQ(files, 4);
   for (const JsonReader& environment : reader.member("environments").elements(1)) {
     EXPECT_EQ(read_layout(environment.member("layout")), EnvironmentLayout::lat_long);
   }
@@ -256,14 +262,16 @@ TEST(BakeFolder, TheDocumentsExampleIsAManifestWithAllFields) {
 
 /// The bytes of a tensor file of transport with something changed, its hashes right.
 using Edit = std::function<void(TileTransport&)>;
-std::string error_of_forged_transport(const fs::path& path, const fs::path& scratch,
+enum Which { second_tile, all_tiles };
+std::string error_of_forged_transport(const fs::path& path, const fs::path& scratch, Which which,
                                       const Edit& edit) {
   auto tiles = test::small_tiles({});
-  edit(tiles[1]);
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    if (which == all_tiles || t == 1) edit(tiles[t]);
+  }
   {
     BakeWriter writer(scratch);
-    writer.add_transport(tiles.size(),
-                         [&](std::size_t t) -> const TileTransport& { return tiles[t]; });
+    writer.add_transport(tiles.size(), [&](std::size_t t) { return tiles[t]; });
     forge_file(path, kTransportFile, read(writer.partial_folder() / kTransportFile));
   }
   return error_of_opening(path);
@@ -274,34 +282,35 @@ TEST(BakeFolder, TransportThatWouldLeadTheKernelAstrayIsRefused) {
   const fs::path path = folder / "a.bake", scratch = folder / "b.bake";
   test::write_small_bake(path, {});
   const auto error = [&](const Edit& edit) {
-    return error_of_forged_transport(path, scratch, edit);
+    return error_of_forged_transport(path, scratch, second_tile, edit);
   };
   ASSERT_EQ(error([](TileTransport&) {}), "");
-  const auto last_of_long_run = [](TileTransport& t) {
-    std::size_t column = 0;
-    while (t.column_offset[column + 1] - t.column_offset[column] < 2) ++column;
-    return t.column_offset[column + 1] - 1;
-  };
-  EXPECT_THAT(error([](TileTransport& t) { t.value[5] = 0x7c00; }), testing::HasSubstr("value"));
-  EXPECT_THAT(error([](TileTransport& t) { t.value.back() = 0xfe01; }),
-              testing::HasSubstr("value"));
-  EXPECT_THAT(error([](TileTransport& t) { t.block_index.back() = 512; }),
-              testing::HasSubstr("block_index"));
-  EXPECT_THAT(error([&](TileTransport& t) {
-                const auto i = last_of_long_run(t);
-                t.block_index[i] = t.block_index[i - 1];
-              }),
-              testing::HasSubstr("block_index"));
-  EXPECT_THAT(error([](TileTransport& t) { t.column_offset[0] = 1; }),
-              testing::HasSubstr("column_offset"));
-  EXPECT_THAT(error([](TileTransport& t) { t.column_offset.back() += 1; }),
-              testing::HasSubstr("column_offset"));
-  EXPECT_THAT(error([](TileTransport& t) { t.column_offset[40] = 0xffffffff; }),
-              testing::HasSubstr("column_offset"));
+  EXPECT_THAT(error([](TileTransport& t) { t.runs[0] += 1; }), testing::HasSubstr("runs[1]["));
+  EXPECT_THAT(error([](TileTransport& t) { t.runs[1] |= 0xffff000000000000; }),
+              testing::HasSubstr("counts"));
+  EXPECT_THAT(error([](TileTransport& t) { t.run_offset[0] = 1; }),
+              testing::HasSubstr("run_offset"));
+  EXPECT_THAT(error([](TileTransport& t) { t.run_offset.back() += 1; }),
+              testing::HasSubstr("run_offset"));
+  EXPECT_THAT(error([](TileTransport& t) { t.run_offset[40] = 0xffffffff; }),
+              testing::HasSubstr("run_offset"));
+  for (const float bad : {std::numeric_limits<float>::infinity(), -1.0f}) {
+    EXPECT_THAT(error_of_forged_transport(path, scratch, all_tiles,
+                                          [bad](TileTransport& t) { t.column_step[9] = bad; }),
+                testing::HasSubstr("column_step[9]"));
+  }
+}
+
+TEST(BakeFolder, ReflectanceThatIsNoneIsRefused) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.bake";
+  test::write_small_bake(path, {});
   for (const float bad :
-       {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN(), -1.0f}) {
-    EXPECT_THAT(error([bad](TileTransport& t) { t.column_scale[9] = bad; }),
-                testing::HasSubstr("column_scale[1][9]"));
+       {std::numeric_limits<float>::infinity(), -1.0f, std::numeric_limits<float>::quiet_NaN()}) {
+    std::string bytes = read(path / kPixelsFile);
+    std::memcpy(bytes.data() + bytes.size() - sizeof bad, &bad, sizeof bad);
+    forge_file(path, kPixelsFile, bytes);
+    EXPECT_THAT(error_of_opening(path), testing::HasSubstr("\"reflectance\""));
   }
 }
 

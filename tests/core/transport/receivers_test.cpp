@@ -76,12 +76,16 @@ TEST(PixelLayout, TilesGroupsAndBlocksAreTheBoxesThatTheHeaderSays) {
   }
 }
 
-TEST(Radiance, IsZeroWhenMadeAndAtFindsTheLane) {
-  Radiance radiance(2);
-  EXPECT_EQ(radiance.tile_count(), 2u);
-  for (std::size_t i = 0; i < 2 * kTileReceivers; ++i) ASSERT_EQ(radiance.at(i, 2), 0);
-  radiance.tile(1)[3 * kBlockFloats + 2 * kBlockReceivers + 5] = 7;
-  EXPECT_EQ(radiance.at(kTileReceivers + 3 * kBlockReceivers + 5, 2), 7);
+TEST(ReceiverValues, AreZeroWhenMadeAndAtFindsTheLane) {
+  ReceiverValues values(2);
+  EXPECT_EQ(values.tile_count(), 2u);
+  for (std::size_t i = 0; i < 2 * kTileReceivers; ++i) ASSERT_EQ(values.at(i), Vec3f());
+  values.tile(1)[3 * kBlockFloats + 2 * kBlockReceivers + 5] = 7;
+  const std::size_t receiver = kTileReceivers + 3 * kBlockReceivers + 5;
+  EXPECT_EQ(values.at(receiver), Vec3f(0, 0, 7));
+  values.set(receiver, {1, 2, 3});
+  EXPECT_EQ(values.at(receiver), Vec3f(1, 2, 3));
+  EXPECT_EQ(values.at(receiver - 1), Vec3f());
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <thread>
 #include <vector>
@@ -13,124 +13,105 @@
 #include "core/base/check.h"
 #include "core/base/parallel.h"
 #include "core/math/random.h"
+#include "core/transport/transport.h"
 
 namespace rimlight {
 namespace {
 
 constexpr std::size_t kColumns = 41;
-constexpr std::size_t kRow = 3 * PixelLayout::kGroupReceivers;
-using Rows = std::vector<float>;
+using Planes = std::vector<float>;
+using Block = std::array<float, kBlockReceivers>;
 
-/// Dense rows of all groups; most blocks small, so that every threshold cuts somewhere.
-std::vector<Rows> random_groups(std::uint64_t seed) {
-  std::vector<Rows> groups;
+/// Dense planes of all groups; most blocks small, so that every step cuts somewhere.
+std::vector<Planes> random_groups(std::uint64_t seed) {
+  std::vector<Planes> groups;
   for (std::size_t group = 0; group < TileBuilder::kGroups; ++group) {
     Random random(seed, group);
-    Rows& rows = groups.emplace_back(kColumns * kRow);
-    for (std::size_t at = 0; at < rows.size(); at += kBlockReceivers) {
+    Planes& planes = groups.emplace_back(kColumns * kGroupFloats);
+    for (std::size_t at = 0; at < planes.size(); at += kBlockReceivers) {
       if (random.uniform() < 0.8) continue;
       const double size = std::pow(10.0, random.uniform(-7, 1));
       for (std::size_t i = 0; i < kBlockReceivers; ++i) {
-        rows[at + i] = static_cast<float>(size * random.uniform(-1, 1));
+        planes[at + i] = static_cast<float>(size * random.uniform(-1, 1));
       }
     }
   }
   return groups;
 }
 
-std::vector<float> random_weights() {
-  Random random(77);
-  std::vector<float> weights(kColumns);
-  for (float& weight : weights) weight = static_cast<float>(random.uniform(0, 2));
-  weights[3] = 0;
-  return weights;
-}
-
-TileTransport build(const std::vector<Rows>& groups, const std::vector<float>& weights,
-                    float threshold) {
-  TileBuilder builder(weights, threshold);
+TileTransport build(const std::vector<Planes>& groups, const StorageStep& storage) {
+  TileBuilder builder(kColumns, storage);
   for (std::size_t group = 0; group < groups.size(); ++group) {
     builder.add_group(group, groups[group]);
   }
   return builder.assemble();
 }
 
-/// m of a block's entry, from the dense rows.
-float dense(const std::vector<Rows>& groups, std::size_t column, std::size_t block,
-            std::size_t entry) {
-  return groups[block / 8][column * kRow + entry / 8 * 64 + block % 8 * 8 + entry % 8];
+Block dense(const std::vector<Planes>& groups, std::size_t column, std::size_t plane,
+            std::size_t index) {
+  Block block;
+  const std::size_t first = column * kGroupFloats + plane * 64 + index % 8 * kBlockReceivers;
+  std::copy_n(groups[index / 8].begin() + static_cast<std::ptrdiff_t>(first), kBlockReceivers,
+              block.begin());
+  return block;
 }
 
-float largest(const std::vector<Rows>& groups, std::size_t column, std::size_t block) {
-  float result = 0;
-  for (std::size_t i = 0; i < kBlockFloats; ++i) {
-    result = std::max(result, std::abs(dense(groups, column, block, i)));
+/// What a tile holds of one column: [plane, index] to values in the clear.
+std::map<std::pair<std::size_t, std::size_t>, Block> clear(const TileTransport& tile,
+                                                           std::size_t column) {
+  std::map<std::pair<std::size_t, std::size_t>, Block> blocks;
+  for (RunCursor at(tile.run(column)); !at.at_end(); at.next()) {
+    RunBlock block = at.block();
+    for (float& value : block.value) value *= tile.column_step[column];
+    EXPECT_TRUE(blocks.emplace(std::pair(block.plane, block.index), block.value).second);
   }
-  return result;
+  return blocks;
 }
 
-TEST(TileBuilder, KeepsExactlyTheBlocksWhoseWeightedLargestIsAboveTheThreshold) {
+TEST(TileBuilder, KeepsABlockByItsEnergyAndEachNumberWithinHalfAStep) {
   const auto groups = random_groups(1);
-  const auto weights = random_weights();
-  for (const float threshold : {0.0f, 1e-5f, 1e-2f, 0.3f, 1e9f}) {
-    const TileTransport tile = build(groups, weights, threshold);
-    ASSERT_EQ(tile.column_offset.size(), kColumns + 1);
-    std::size_t kept = 0;
+  for (const StorageStep storage : {StorageStep{1e-6f, 0}, {1e-4f, 3}, {0.02f, 20}, {1e9f, 3}}) {
+    const TileTransport tile = build(groups, storage);
+    std::size_t kept = 0, left_out = 0;
     for (std::size_t column = 0; column < kColumns; ++column) {
-      std::vector<std::uint16_t> expected;
-      for (std::uint16_t block = 0; block < kTileBlocks; ++block) {
-        if (largest(groups, column, block) * weights[column] > threshold) expected.push_back(block);
+      ASSERT_EQ(tile.column_step[column], storage.step);
+      auto found = clear(tile, column);
+      for (std::size_t plane = 0; plane < kPlanes; ++plane) {
+        for (std::size_t index = 0; index < kTileBlocks; ++index) {
+          const Block expected = dense(groups, column, plane, index);
+          const auto block = found.extract(std::pair(plane, index));
+          double energy = 0;
+          for (const float m : expected) energy += std::pow(std::nearbyint(m / storage.step), 2);
+          const double border = 1e-3 * energy;  // m / step rounds otherwise than m · (1 / step)
+          if (block.empty()) {
+            ++left_out;
+            ASSERT_LE(energy - border, std::max(0.0f, storage.least_energy));
+            continue;
+          }
+          ++kept;
+          ASSERT_GE(energy + border, storage.least_energy);
+          for (std::size_t i = 0; i < kBlockReceivers; ++i) {
+            const double m = expected[i];
+            const double bound = 0.5 * storage.step * 1.0001 + std::abs(m) * 0x1p-22;
+            ASSERT_NEAR(block.mapped()[i], m, bound);
+          }
+        }
       }
-      const std::vector<std::uint16_t> found(
-          tile.block_index.begin() + tile.column_offset[column],
-          tile.block_index.begin() + tile.column_offset[column + 1]);
-      if (threshold > 0) {
-        ASSERT_EQ(found, expected) << threshold << " column " << column;
-      } else {  // blocks below the halves of their run are left out too
-        ASSERT_TRUE(std::ranges::includes(expected, found));
-      }
-      kept += found.size();
+      ASSERT_TRUE(found.empty());
     }
-    ASSERT_EQ(kept, tile.block_count());
-    EXPECT_EQ(kept == 0, threshold == 1e9f);
+    EXPECT_EQ(kept == 0, storage.step == 1e9f);
+    EXPECT_GT(left_out, 1000u);
   }
-}
-
-TEST(TileBuilder, ScalesAreTheLargestOfTheRunAndValuesAreWithinTheirRounding) {
-  const auto groups = random_groups(2);
-  const TileTransport tile = build(groups, std::vector<float>(kColumns, 1.0f), 1e-6f);
-  double worst = 0;
-  for (std::size_t column = 0; column < kColumns; ++column) {
-    float run_largest = 0;
-    for (auto b = tile.column_offset[column]; b < tile.column_offset[column + 1]; ++b) {
-      const std::size_t block = tile.block_index[b];
-      run_largest = std::max(run_largest, largest(groups, column, block));
-      for (std::size_t i = 0; i < kBlockFloats; ++i) {
-        const double m = dense(groups, column, block, i);
-        const double scale = tile.column_scale[column];
-        const double stored = to_float(tile.value[b * kBlockFloats + i]) * scale;
-        ASSERT_LE(std::abs(to_float(tile.value[b * kBlockFloats + i])), 1);
-        // Half of the last place, of a normal or a subnormal half; the division's own rounding of
-        // 2⁻²⁴ comes on top.
-        const double bound = std::max(std::abs(m) * (0x1p-11 + 0x1p-23), scale * 0x1p-25);
-        worst = std::max(worst, std::abs(stored - m) / bound);
-        ASSERT_TRUE(std::abs(stored - m) <= bound) << column << " " << block << " " << i;
-      }
-    }
-    ASSERT_EQ(tile.column_scale[column], run_largest);
-  }
-  EXPECT_GT(worst, 0.5);
 }
 
 TEST(TileBuilder, TheOrderAndTheThreadsOfGroupsChangeNothing) {
   const auto groups = random_groups(3);
-  const auto weights = random_weights();
-  const TileTransport expected = build(groups, weights, 1e-4f);
+  const TileTransport expected = build(groups, {1e-4f});
   std::vector<std::size_t> order(TileBuilder::kGroups);
   std::iota(order.begin(), order.end(), 0);
   Random random(5);
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
-  TileBuilder builder(weights, 1e-4f);
+  TileBuilder builder(kColumns, {1e-4f});
   std::vector<std::thread> threads;
   for (std::size_t t = 0; t < 3; ++t) {
     threads.emplace_back([&, t] {
@@ -145,15 +126,14 @@ TEST(TileBuilder, TheOrderAndTheThreadsOfGroupsChangeNothing) {
 
 TEST(TileBuilder, FlushedDenormalsChangeNothing) {
   auto groups = random_groups(4);
-  for (Rows& rows : groups) {
-    for (std::size_t i = 0; i < rows.size(); i += 3) rows[i] *= 1e-37f;
+  for (Planes& planes : groups) {
+    for (std::size_t i = 0; i < planes.size(); i += 3) planes[i] *= 1e-37f;
   }
-  const std::vector<float> weights(kColumns, 1.0f);
   TileTransport plain, flushed;
-  std::thread([&] { plain = build(groups, weights, 0); }).join();
+  std::thread([&] { plain = build(groups, {1e-6f}); }).join();
   std::thread([&] {
     flush_denormals();
-    flushed = build(groups, weights, 0);
+    flushed = build(groups, {1e-6f});
   }).join();
   EXPECT_EQ(plain, flushed);
 }
@@ -163,71 +143,43 @@ TEST(TileBuilder, RefusesWhatIsNotFinite) {
   for (const float bad :
        {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()}) {
     groups[7][100] = bad;
-    TileBuilder builder(std::vector<float>(kColumns, 1.0f), 0);
+    TileBuilder builder(kColumns, {1});
     EXPECT_THROW(builder.add_group(7, groups[7]), CheckFailure);
   }
 }
 
-std::vector<std::uint16_t> blocks_of(const TileTransport& tile, std::size_t column) {
-  return {tile.block_index.begin() + tile.column_offset[column],
-          tile.block_index.begin() + tile.column_offset[column + 1]};
-}
-
-TEST(Prune, KeepsWhatTheBuilderWouldHaveKeptButForRoundingAtTheThreshold) {
+TEST(Prune, MakesWhatABuilderOfThatLeastEnergyWouldHaveMade) {
   const auto groups = random_groups(6);
-  const auto weights = random_weights();
-  const TileTransport tile = build(groups, weights, 1e-6f);
-  std::size_t same = 0, different = 0;
-  for (const float threshold : {1e-6f, 1e-3f, 0.1f, 1e9f}) {
-    const TileTransport pruned = prune(tile, weights, threshold);
-    const TileTransport direct = build(groups, weights, threshold);
-    for (std::size_t column = 0; column < kColumns; ++column) {
-      const auto a = blocks_of(pruned, column), b = blocks_of(direct, column);
-      std::vector<std::uint16_t> in_one;
-      std::ranges::set_symmetric_difference(a, b, std::back_inserter(in_one));
-      for (const std::uint16_t block : in_one) {
-        const double m = largest(groups, column, block);
-        const double rounding = std::max(m * 0x1p-10, tile.column_scale[column] * 0x1p-24);
-        EXPECT_LE(std::abs(m * weights[column] - threshold), rounding * weights[column]);
-      }
-      same += a.size();
-      different += in_one.size();
-      ASSERT_EQ(pruned.column_scale[column], a.empty() ? 0 : tile.column_scale[column]);
-    }
+  const TileTransport tile = build(groups, {1e-4f, 3});
+  EXPECT_EQ(prune(tile, 3), tile);
+  EXPECT_EQ(prune(tile, 0), tile);
+  std::size_t previous = tile.runs.size();
+  for (const float energy : {5.0f, 50.0f, 1e4f}) {
+    const TileTransport pruned = prune(tile, energy);
+    EXPECT_EQ(pruned, build(groups, {1e-4f, energy}));
+    EXPECT_LT(pruned.runs.size(), previous);
+    previous = pruned.runs.size();
   }
-  EXPECT_GT(same, 1000u);
-  EXPECT_LT(different, same / 100);
-}
-
-TEST(Prune, ByTheThresholdOfTheBuilderWithoutBorderCasesChangesNothing) {
-  const auto groups = random_groups(6);
-  const auto weights = random_weights();
-  const TileTransport tile = build(groups, weights, 1e-3f);
-  EXPECT_EQ(prune(tile, weights, 0.9e-3f), tile);
-  EXPECT_EQ(prune(tile, weights, 1e9f).block_count(), 0u);
+  EXPECT_TRUE(prune(tile, 1e30f).runs.empty());
 }
 
 TEST(Transport, HoldsTheTilesOneAfterAnother) {
-  const auto weights = random_weights();
-  const std::vector<TileTransport> tiles = {build(random_groups(7), weights, 1e-3f),
-                                            build(random_groups(8), weights, 1e9f),
-                                            build(random_groups(9), weights, 1e-2f)};
+  const std::vector<TileTransport> tiles = {build(random_groups(7), {1e-3f, 3}),
+                                            build(random_groups(8), {1e-3f, 1e30f}),
+                                            build(random_groups(9), {1e-3f, 100})};
   Transport made(tiles);
   const Transport transport = std::move(made);  // the view follows its arrays
+  EXPECT_EQ(transport.view().count_blocks(1), 0u);
   for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
-    ASSERT_EQ(transport.view().tile_block_count(tile), tiles[tile].block_count());
+    std::size_t blocks = 0;
     for (std::size_t column = 0; column < kColumns; ++column) {
       const ColumnRun run = transport.view().run(tile, column);
-      const auto first = tiles[tile].column_offset[column];
-      ASSERT_EQ(run.block_index.size(), tiles[tile].column_offset[column + 1] - first);
-      ASSERT_EQ(run.scale, tiles[tile].column_scale[column]);
-      ASSERT_TRUE(std::ranges::equal(
-          run.block_index,
-          std::span(tiles[tile].block_index).subspan(first).first(run.block_index.size())));
-      ASSERT_TRUE(std::equal(run.values, run.values + run.block_index.size() * kBlockFloats,
-                             tiles[tile].value.begin() + static_cast<long>(first * kBlockFloats)));
+      ASSERT_TRUE(std::ranges::equal(run.words(), tiles[tile].run(column).words()));
+      blocks += run.block_count();
     }
+    ASSERT_EQ(transport.view().count_blocks(tile), blocks);
   }
+  EXPECT_EQ(transport.view().byte_count(), 8 * (tiles[0].runs.size() + tiles[2].runs.size()));
 }
 
 }  // namespace

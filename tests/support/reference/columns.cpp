@@ -4,23 +4,24 @@
 
 namespace rimlight::reference {
 
-TileRadiance add_columns(const TransportView& transport, std::size_t tile,
-                         std::span<const ColumnDelta> columns, std::span<const float> radiance) {
-  TileRadiance result;
-  for (const float value : radiance) {
+HeldTile add_columns(const TransportView& transport, std::size_t tile,
+                     std::span<const ColumnDelta> columns, std::span<const float> held) {
+  HeldTile result;
+  for (const float value : held) {
     result.value.push_back(value);
     result.magnitude.push_back(std::abs(value));
   }
   for (const ColumnDelta& column : columns) {
-    const ColumnRun run = transport.run(tile, column.column);
-    for (std::size_t b = 0; b < run.block_index.size(); ++b) {
+    const double step = transport.step(column.column);
+    for (RunCursor at(transport.run(tile, column.column)); !at.at_end(); at.next()) {
+      const RunBlock block = at.block();
       for (std::size_t i = 0; i < kBlockFloats; ++i) {
-        const double delta = column.delta[static_cast<int>(i / kBlockReceivers)];
-        const double m = static_cast<double>(to_float(run.values[b * kBlockFloats + i])) *
-                         static_cast<double>(run.scale);
-        const std::size_t at = run.block_index[b] * kBlockFloats + i;
-        result.value[at] += delta * m;
-        result.magnitude[at] += std::abs(delta * m);
+        const auto channel = static_cast<int>(i / kBlockReceivers);
+        const double m = kPlaneFactors[block.plane][channel] * step *
+                         static_cast<double>(block.value[i % kBlockReceivers]);
+        const double term = column.delta[channel] * m;
+        result.value[block.index * kBlockFloats + i] += term;
+        result.magnitude[block.index * kBlockFloats + i] += std::abs(term);
       }
     }
   }

@@ -8,13 +8,13 @@
 
 namespace rimlight::reference {
 
-/// radiance += delta · M[column] for one tile, in double, and beside it the sum of all magnitudes
-/// that were added: what rounding errors scale with.
-struct TileRadiance {
+/// held += delta · M[column] for one tile, in double, and beside it the sum of all magnitudes that
+/// were added: what rounding errors scale with.
+struct HeldTile {
   std::vector<double> value;      // [block][3][8]
   std::vector<double> magnitude;  // the same
 };
-TileRadiance add_columns(const TransportView& transport, std::size_t tile,
-                         std::span<const ColumnDelta> columns, std::span<const float> radiance);
+HeldTile add_columns(const TransportView& transport, std::size_t tile,
+                     std::span<const ColumnDelta> columns, std::span<const float> held);
 
 }  // namespace rimlight::reference

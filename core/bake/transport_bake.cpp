@@ -1,0 +1,222 @@
+#include "core/bake/transport_bake.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "core/bake/bake_output.h"
+#include "core/bake/compression.h"
+#include "core/bake/lane_kernel.h"
+#include "core/bake/pilot.h"
+#include "core/bake/tile_store.h"
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+#include "core/math/random.h"
+#include "core/transport/bake_folder.h"
+#include "core/transport/receiver_planes.h"
+#include "core/transport/sketch.h"
+#include "core/transport/tile_builder.h"
+
+namespace rimlight {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// The compression that tiles are stored with at first is finer than the pilot asks for: a sample
+/// may be kinder than the image. What that is too much is left out again, measured on the whole
+/// image.
+constexpr double kPilotMarginDb = 1;
+constexpr float kFinerStep = 0.5f;  // for another attempt, when the pilot was wrong
+constexpr int kMostAttempts = 4;
+
+/// Sketch sums count in this part of a step: finer than what storing rounds to.
+constexpr float kSumsPerStep = 16;
+
+/// The reflectance of a tile's group in lanes: [3][64].
+std::array<float, kGroupFloats> reflectance_of(const TileCheck& check, std::size_t first) {
+  std::array<float, kGroupFloats> result;
+  for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      result[c * kGroupLanes + lane] = check.reflectance[first + lane][static_cast<int>(c)];
+    }
+  }
+  return result;
+}
+
+/// One lane of [3][64].
+Vec3f lane_of(const float* row, std::size_t lane) {
+  return {row[lane], row[kGroupLanes + lane], row[2 * kGroupLanes + lane]};
+}
+
+/// One bake from begin to end.
+class TransportBake {
+ public:
+  TransportBake(const GroupSource& source, const BakeRequest& request,
+                const std::filesystem::path& folder,
+                const std::function<void(const BakeProgress&)>& progress)
+      : source_(source),
+        request_(request),
+        progress_(progress),
+        haar_(source.cube_size()),
+        lights_(make_check_lights(haar_)),
+        check_lights_(coefficients_of(lights_)),
+        writer_(folder) {}
+
+  BakeSummary run() {
+    const auto start = Clock::now();
+    StorageStep storage = pilot();
+    for (int attempt = 0;; ++attempt) {
+      TileStore store(writer_.partial_folder() / "tiles", shape(),
+                      mix_bits(request_.fingerprint ^ std::bit_cast<std::uint32_t>(storage.step)));
+      SketchSums sums(shape().columns, storage.step / kSumsPerStep);
+      make_tiles(store, storage, sums);
+      report("compressing", 0);
+      const LightImages references = reference_images(store);
+      const auto exposures = check_exposures(lights_, references);
+      const auto least_energy = choose_least_energy(store, check_lights_, references, exposures,
+                                                    storage.least_energy, request_.psnr_db);
+      if (least_energy) {
+        write(store, references, {storage.step, *least_energy}, sums);
+        summary_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+        return summary_;
+      }
+      // The pilot's groups were kinder than the image: everything again, finer.
+      if (attempt + 1 == kMostAttempts) {
+        throw Error(request_.scene, "no compression that keeps the error asked for",
+                    "a lower psnr_db");
+      }
+      storage.step *= kFinerStep;
+    }
+  }
+
+ private:
+  TileStore::Shape shape() const {
+    return {source_.layout().tile_count(), haar_.coefficient_count(), lights_.size()};
+  }
+
+  void report(const char* stage, double fraction, bool resumed = false) const {
+    if (progress_) progress_({stage, fraction, resumed});
+  }
+
+  /// How finely the tiles are stored at first.
+  StorageStep pilot() {
+    report("sampling", 0);
+    const std::size_t groups = source_.layout().receiver_count() / kGroupLanes;
+    const std::size_t count = std::clamp<std::size_t>(groups / 16, 8, 128);
+    const auto sample = sample_groups(source_, count, request_.seed);
+    if (sample.empty()) {
+      throw Error(request_.scene, "nothing in the picture", "an object that the camera sees");
+    }
+    return {pilot_step(source_, sample, lights_, request_.psnr_db + kPilotMarginDb)};
+  }
+
+  void make_tiles(const TileStore& store, const StorageStep& storage, SketchSums& sums) {
+    const std::size_t summed = store.load_sums(sums);
+    for (std::size_t tile = 0; tile < store.shape().tiles; ++tile) {
+      const bool found = tile < summed && store.has(tile);
+      if (found) {
+        ++summary_.resumed_tiles;
+      } else {
+        make_tile(store, tile, storage, tile < summed ? nullptr : &sums);
+      }
+      if (tile >= summed) store.save_sums(tile + 1, sums);
+      report(request_.stage.c_str(),
+             static_cast<double>(tile + 1) / static_cast<double>(store.shape().tiles), found);
+    }
+  }
+
+  /// `sums` is null when they hold this tile.
+  void make_tile(const TileStore& store, std::size_t tile, const StorageStep& storage,
+                 SketchSums* sums) const {
+    TileBuilder builder(store.shape().columns, storage);
+    TileCheck check;
+    check.coverage.resize(kTileReceivers);
+    check.reflectance.resize(kTileReceivers);
+    check.images.assign(lights_.size(), std::vector<Vec3f>(kTileReceivers));
+    parallel_for(TileBuilder::kGroups, [&](std::size_t place) {
+      thread_local std::unique_ptr<BakedGroup> group;
+      if (group == nullptr || group->coefficients.cube_size != haar_.size()) {
+        group = std::make_unique<BakedGroup>(haar_.size());
+      }
+      const std::size_t first_receiver = tile * kTileReceivers + place * kGroupLanes;
+      source_.find_rows(first_receiver, *group);
+      if (group->empty) return;
+      if (sums != nullptr) sums->add_group(first_receiver, group->coefficients.values);
+      add_check(*group, place * kGroupLanes, check);
+      to_planes(group->coefficients.values, reflectance_of(check, place * kGroupLanes));
+      builder.add_group(place, group->coefficients.values);
+    });
+    store.save(tile, builder.assemble(), check);
+  }
+
+  /// A group's coverage, reflectance and check images, from its rows.
+  void add_check(const BakedGroup& group, std::size_t first, TileCheck& check) const {
+    std::array<float, kGroupFloats> reflectance;
+    find_reflectance(group.coefficients.values, reflectance);
+    AlignedVector<float> images(lights_.size() * kRowLanes);
+    multiply_rows(group.coefficients, check_lights_, images.data());
+    for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
+      check.coverage[first + lane] = group.coverage[lane];
+      check.reflectance[first + lane] = lane_of(reflectance.data(), lane);
+      for (std::size_t light = 0; light < lights_.size(); ++light) {
+        check.images[light][first + lane] = lane_of(images.data() + light * kRowLanes, lane);
+      }
+    }
+  }
+
+  void write(const TileStore& store, const LightImages& references, const StorageStep& storage,
+             const SketchSums& sums) {
+    report("writing", 0);
+    const auto images = compressed_images(store, check_lights_, storage.least_energy);
+    const std::vector<double> psnr =
+        measure_psnr(images, references, check_exposures(lights_, references));
+    summary_.bytes = write_transport(writer_, store, source_.layout(), storage.least_energy);
+    writer_.add_sketch(sums, source_.layout());
+    write_environments(writer_, store, request_.environments, haar_, storage.least_energy);
+    writer_.commit(describe(psnr, storage));
+    report("writing", 1);
+  }
+
+  BakeManifest describe(const std::vector<double>& psnr, const StorageStep& storage) {
+    const auto worst = std::min_element(psnr.begin(), psnr.end());
+    summary_.worst_psnr_db = *worst;
+    summary_.worst_light = lights_[static_cast<std::size_t>(worst - psnr.begin())].name;
+    BakeManifest manifest;
+    manifest.scene = request_.scene;
+    manifest.pixels = source_.layout();
+    manifest.cube_size = haar_.size();
+    manifest.camera = request_.camera;
+    manifest.settings = request_.settings;
+    manifest.measured = request_.measured;
+    for (std::size_t light = 0; light < lights_.size(); ++light) {
+      manifest.measured["psnr_db"][lights_[light].name] = std::round(psnr[light] * 100) / 100;
+    }
+    manifest.left_out = {{"step", storage.step},
+                         {"blocks_below", storage.step * std::sqrt(storage.least_energy)},
+                         {"worst_psnr_db", summary_.worst_psnr_db},
+                         {"worst_light", summary_.worst_light}};
+    return manifest;
+  }
+
+  const GroupSource& source_;
+  const BakeRequest& request_;
+  const std::function<void(const BakeProgress&)>& progress_;
+  CubeHaar haar_;
+  std::vector<CheckLight> lights_;
+  std::vector<CubeLight> check_lights_;
+  BakeWriter writer_;
+  BakeSummary summary_;
+};
+
+}  // namespace
+
+BakeSummary bake_transport(const GroupSource& source, const BakeRequest& request,
+                           const std::filesystem::path& folder,
+                           const std::function<void(const BakeProgress&)>& progress) {
+  return TransportBake(source, request, folder, progress).run();
+}
+
+}  // namespace rimlight

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/bake/group_source.h"
+#include "core/light/environment.h"
+#include "core/math/camera.h"
+
+namespace rimlight {
+
+/// Told as a bake goes on, from one thread.
+struct BakeProgress {
+  std::string stage;     // "tracing", "compressing", …
+  double fraction = 0;   // of the stage, in [0, 1]
+  bool resumed = false;  // this step was found done
+};
+
+struct BakeSummary {
+  double seconds = 0;
+  std::size_t resumed_tiles = 0;
+  std::size_t bytes = 0;     // of stored transport
+  double worst_psnr_db = 0;  // of the compressed transport, over the check lights
+  std::string worst_light;
+};
+
+/// What a bake keeps beside its transport.
+struct BakeRequest {
+  std::string scene;  // its name
+  Camera camera;
+  std::vector<Environment> environments;               // at least one; the first is the default
+  nlohmann::json settings;                             // for people: what it was baked with
+  nlohmann::json measured = nlohmann::json::object();  // and what was measured before
+  double psnr_db = 50;
+  std::uint64_t seed = 1;
+  std::uint64_t fingerprint = 0;  // of all that the source's rows depend on
+  std::string stage = "tracing";  // what making rows is called
+};
+
+/// Bakes a source's transport to `folder` (NAME.bake). Uses all cores; memory is bounded by a group
+/// of dense rows a core, one tile of what is kept, and the sketch. An interrupted bake of the same
+/// fingerprint resumes at the last finished tile of 64×64 pixels; the bytes do not depend on
+/// threads or interruptions. The compression is chosen so that every check light keeps psnr_db
+/// against the uncompressed transport. Throws Error when the source has no receivers, or when the
+/// folder cannot be written.
+BakeSummary bake_transport(const GroupSource& source, const BakeRequest& request,
+                           const std::filesystem::path& folder,
+                           const std::function<void(const BakeProgress&)>& progress);
+
+}  // namespace rimlight

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+
+namespace rimlight {
+
+/// What a batch of columns takes, learnt from the batches before:
+///
+///     milliseconds = fixed + bytes · per_byte
+///
+/// per_byte follows the measured batches, faster upwards than downwards, so that a machine that
+/// becomes busy is believed at once. Starts from a guess that is too slow on any machine.
+class CostModel {
+ public:
+  /// Bytes that a batch may move to take `milliseconds`; 0 when there is no time for any.
+  std::size_t bytes_within(double milliseconds) const;
+  /// A batch was measured.
+  void learn(std::size_t bytes, double milliseconds);
+
+  double milliseconds_per_megabyte() const { return 1e6 * per_byte_; }
+
+ private:
+  static constexpr double kFixedMs = 0.05;       // waking the threads
+  static constexpr double kFirstGuess = 0.2e-6;  // milliseconds a byte: 5 GB/s
+  double per_byte_ = kFirstGuess;
+};
+
+}  // namespace rimlight

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "core/basis/cube_haar.h"
+#include "core/light/cube_light.h"
+#include "core/relight/cost_model.h"
+#include "core/relight/policy.h"
+#include "core/relight/policy_settings.h"
+#include "core/relight/relighter.h"
+#include "core/transport/bake_folder.h"
+
+namespace rimlight {
+
+/// How much one frame's update may cost. Budgets of coefficients or bytes promise the same bits for
+/// the same frames; a deadline does not.
+struct FrameBudget {
+  enum class Unit : std::uint8_t { coefficients, bytes, milliseconds };
+  Unit unit = Unit::coefficients;
+  double amount = 30;
+};
+
+/// "30", "2MB" (10⁶ bytes), "16ms"; and back. Throws Error naming `where`.
+FrameBudget parse_budget(const std::string& text, const std::string& where);
+std::string budget_name(const FrameBudget& budget);
+
+/// How one update came about.
+struct UpdateReport {
+  std::size_t columns = 0;        // added
+  std::size_t bytes = 0;          // of M, read for them
+  std::size_t bands_reset = 0;    // bands that started from zero
+  std::size_t tiles_rebuilt = 0;  // against drift
+  double plan_ms = 0;
+  double apply_ms = 0;
+};
+
+/// Moves a relighter's image towards a target, frame by frame, within a budget.
+///
+/// A deadline is kept by a cost model that learns from each frame what a byte takes, and by a look
+/// at the clock between batches of columns: the first batch is planned for most of the time, what
+/// is left is planned again. Of the time, some is for rebuilding tiles against drift.
+///
+/// Allocates nothing after the first frames. One thread at a time; computes on all cores.
+class FrameUpdater {
+ public:
+  /// Bake and relighter outlive it; the relighter is of the bake's transport.
+  FrameUpdater(const Bake& bake, const CubeHaar& basis, const PolicySettings& policy,
+               Relighter& relighter);
+
+  UpdateReport update(const CubeLight& target, const FrameBudget& budget);
+
+ private:
+  void plan(const CubeLight& target, const Budget& budget);
+  /// Plans and applies one batch; whether it added anything.
+  bool apply_batch(const CubeLight& target, const Budget& budget, UpdateReport& report);
+  void update_until(const CubeLight& target, double deadline_ms, UpdateReport& report);
+  std::size_t planned_bytes() const;
+
+  const Bake& bake_;
+  CubeHaar basis_;
+  std::unique_ptr<const UpdatePolicy> policy_;
+  Relighter& relighter_;
+  CostModel cost_;
+  PlanWorkspace workspace_;
+  UpdatePlan plan_;
+};
+
+}  // namespace rimlight
