@@ -5,7 +5,9 @@
 namespace rimlight {
 
 std::size_t CostModel::bytes_within(double milliseconds) const {
-  return static_cast<std::size_t>(std::max(0.0, (milliseconds - kFixedMs) / per_byte_));
+  constexpr double kMostBytes = 1e15;  // more than any transport has; fits an integer
+  return static_cast<std::size_t>(
+      std::clamp((milliseconds - kFixedMs) / per_byte_, 0.0, kMostBytes));
 }
 
 void CostModel::learn(std::size_t bytes, double milliseconds) {

@@ -12,7 +12,8 @@ namespace rimlight {
 /// becomes busy is believed at once. Starts from a guess that is too slow on any machine.
 class CostModel {
  public:
-  /// Bytes that a batch may move to take `milliseconds`; 0 when there is no time for any.
+  /// Bytes that a batch may move to take `milliseconds`, at most 10¹⁵; 0 when there is no time for
+  /// any.
   std::size_t bytes_within(double milliseconds) const;
   /// A batch was measured.
   void learn(std::size_t bytes, double milliseconds);
