@@ -106,7 +106,7 @@ void NpyArray::read(std::size_t first, std::span<float> values) const {
 void NpyArray::fail_value(std::size_t index, double value) const {
   std::string place;  // [row][column]…, last index first
   for (std::size_t i = shape_.size(); i-- > 0; index /= shape_[i]) {
-    place = "[" + std::to_string(index % shape_[i]) + "]" + place;
+    place.insert(0, "[" + std::to_string(index % shape_[i]) + "]");
   }
   char text[32];
   std::snprintf(text, sizeof text, "%g", value);

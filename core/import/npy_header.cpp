@@ -88,7 +88,7 @@ class HeaderParser {
     if (!rest_.starts_with('\'') && !rest_.starts_with('"')) fail_here(field, "a quoted word");
     const std::size_t end = rest_.find(rest_.front(), 1);
     if (end == std::string_view::npos) fail_here(field, "a closing quote");
-    const std::string word(rest_.substr(1, end - 1));
+    std::string word(rest_.substr(1, end - 1));
     rest_.remove_prefix(end + 1);
     return word;
   }

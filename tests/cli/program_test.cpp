@@ -62,7 +62,7 @@ TEST_F(Program, WrongUsageEndsWithTwoAndHelpWithZero) {
   EXPECT_EQ(run_program({"bake"}).status, 2);
   EXPECT_EQ(run_program({"bake", "x.json", "--cube-size", "7"}).status, 2);
   EXPECT_EQ(run_program({"render", "a.bake", "--rotation", "1,2"}).status, 2);
-  for (const char* command : {"bake", "inspect", "render", "serve", "load"}) {
+  for (const char* command : {"bake", "import", "inspect", "render", "serve", "load"}) {
     const ProgramResult help = run_program({command, "--help"});
     EXPECT_EQ(help.status, 0);
     EXPECT_THAT(help.output, HasSubstr("--json")) << command;

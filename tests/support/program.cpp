@@ -19,6 +19,8 @@ extern char** environ;  // NOLINT: as POSIX declares it
 namespace rimlight::test {
 namespace {
 
+constexpr std::size_t kMostOutput = std::size_t{16} << 20;
+
 std::string temporary_file() {
   std::string name = (std::filesystem::temp_directory_path() / "rimlight-out-XXXXXX").string();
   const int file = ::mkstemp(name.data());
@@ -63,6 +65,8 @@ bool RunningProgram::is_running() {
   return false;
 }
 
+std::string RunningProgram::output() const { return read_file(output_file_, kMostOutput); }
+
 void RunningProgram::kill() {
   if (process_ >= 0) ::kill(process_, SIGKILL);
 }
@@ -74,7 +78,6 @@ ProgramResult RunningProgram::wait() {
     if (Clock::now() > deadline) throw std::runtime_error("the program takes too long");
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  constexpr std::size_t kMostOutput = std::size_t{16} << 20;
   return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_),
           read_file(output_file_, kMostOutput), read_file(error_file_, kMostOutput)};
 }

@@ -26,6 +26,8 @@ class RunningProgram {
   ~RunningProgram();
 
   bool is_running();
+  /// What it has written to standard output so far.
+  std::string output() const;
   /// SIGKILL: nothing is cleaned up.
   void kill();
   ProgramResult wait();

@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
+#include "core/base/files.h"
 #include "core/import/direction_list.h"
 #include "tests/core/import/npy_bytes.h"
 #include "tests/support/error_of.h"
@@ -146,6 +149,42 @@ TEST(DirectionList, FilesAreReadByTheirEnding) {
   EXPECT_THAT(error_of_file("zero.npy"), HasSubstr("zero.npy: [1]: found a direction of length 0"));
   EXPECT_THAT(error_of_file("missing.txt"), HasSubstr("missing.txt"));
   EXPECT_THAT(error_of_file("a.obj"), HasSubstr("\".obj\""));
+}
+
+/// docs/formats/directions.schema.json is held to the same files.
+TEST(DirectionList, TakesTheGoodExamplesAndNamesEachBadOne) {
+  const std::filesystem::path examples = "tests/core/import/examples";
+  std::size_t good = 0, bad = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(examples / "good")) {
+    EXPECT_GT(read_directions(entry.path()).size(), 1u) << entry.path();
+    ++good;
+  }
+  for (const char* const kind : {"bad", "bad_beyond_schema"}) {
+    for (const auto& entry : std::filesystem::directory_iterator(examples / kind)) {
+      const std::string error = test::error_of([&] { read_directions(entry.path()); });
+      EXPECT_THAT(error, HasSubstr(entry.path().filename().string() + ": "));
+      ++bad;
+    }
+  }
+  EXPECT_EQ(good, 2u);
+  EXPECT_EQ(bad, 12u);
+}
+
+/// The first block of a language in a page of documentation.
+std::string block_of(const std::string& page, const std::string& language) {
+  const std::string fence = "```" + language + "\n";
+  const std::size_t begin = page.find(fence) + fence.size();
+  return page.substr(begin, page.find("```", begin) - begin);
+}
+
+TEST(DirectionList, ThePagesExamplesAreRead) {
+  const std::string page = read_file("docs/formats/import.md", std::size_t{1} << 20);
+  const DirectionList text = of_text(block_of(page, "text"));
+  EXPECT_THAT(text.images, ElementsAre("lamp_000.exr", "lamp_001.exr", "lamp_002.exr"));
+  const DirectionList json = parse_direction_json(block_of(page, "json"), "import.md");
+  EXPECT_EQ(json.axes, DirectionAxes::z_up);
+  EXPECT_THAT(json.weights, ElementsAre(0.21, 0.34));
+  expect_near(json.directions[0], {0, 1, 0});
 }
 
 }  // namespace
