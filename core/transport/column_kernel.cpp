@@ -68,31 +68,68 @@ struct Blocks {
   const uint16_t* index;
 };
 
-/// held[session][channel][8] += delta[plane][session][channel] · values[8] over the blocks of one
-/// width. Its three planes are one loop: sections are so short that a loop for each would mostly
-/// wait for mispredicted ends. Chroma adds zero to the channel that it does not have. No tail: 8 is
-/// a multiple of the lanes.
+/// to[8] += factor · value[8], from lane `i` on.
+HWY_INLINE void add_product(hn::Vec<Floats> factor, hn::Vec<Floats> value, float* to) {
+  const Floats floats;
+  hn::Store(hn::MulAdd(factor, value, hn::Load(floats, to)), floats, to);
+}
+
+/// held[session][channel][8] += delta[session][channel] · values[8] over the luma blocks of one
+/// width. No tail: 8 is a multiple of the lanes.
 template <class Width, size_t kSessions>
-HWY_INLINE void add_blocks(const Blocks& blocks, const PlaneDeltas<kSessions>& deltas,
-                           float* const* held) {
+HWY_INLINE void add_luma(const Blocks& blocks, const PlaneDeltas<kSessions>& deltas,
+                         float* const* held) {
   constexpr size_t kBytes = kBlockBytes[static_cast<size_t>(Width::kWidth)];
   const Floats floats;
+  hn::Vec<Floats> factor[kSessions][3];
+  for (size_t session = 0; session < kSessions; ++session) {
+    for (size_t channel = 0; channel < 3; ++channel) {
+      factor[session][channel] = hn::Set(floats, deltas.value[0][session][channel]);
+    }
+  }
   const uint8_t* HWY_RESTRICT values = blocks.values;
-  for (size_t block = 0; block < blocks.count; ++block, values += kBytes) {
-    const size_t plane =
-        size_t{block >= blocks.first_chroma} + size_t{block >= blocks.second_chroma};
+  for (size_t block = 0; block < blocks.first_chroma; ++block, values += kBytes) {
     const size_t place = blocks.index[block] * kBlockFloats;
     for (size_t i = 0; i < kBlockReceivers; i += hn::Lanes(floats)) {
       const auto value = Width::load(values, i);
       for (size_t session = 0; session < kSessions; ++session) {
-        for (size_t channel = 0; channel < 3; ++channel) {
-          float* const to = held[session] + place + channel * kBlockReceivers + i;
-          const auto factor = hn::Set(floats, deltas.value[plane][session][channel]);
-          hn::Store(hn::MulAdd(factor, value, hn::Load(floats, to)), floats, to);
-        }
+        float* const to = held[session] + place + i;
+        add_product(factor[session][0], value, to);
+        add_product(factor[session][1], value, to + kBlockReceivers);
+        add_product(factor[session][2], value, to + 2 * kBlockReceivers);
       }
     }
   }
+}
+
+/// The same for chroma, which adds to red and green, or green and blue: both planes in one loop,
+/// since sections are so short that each loop's mispredicted end counts.
+template <class Width, size_t kSessions>
+HWY_INLINE void add_chroma(const Blocks& blocks, const PlaneDeltas<kSessions>& deltas,
+                           float* const* held) {
+  constexpr size_t kBytes = kBlockBytes[static_cast<size_t>(Width::kWidth)];
+  const Floats floats;
+  const uint8_t* HWY_RESTRICT values = blocks.values + blocks.first_chroma * kBytes;
+  for (size_t block = blocks.first_chroma; block < blocks.count; ++block, values += kBytes) {
+    const size_t channel = block >= blocks.second_chroma;
+    const size_t place = blocks.index[block] * kBlockFloats + channel * kBlockReceivers;
+    for (size_t i = 0; i < kBlockReceivers; i += hn::Lanes(floats)) {
+      const auto value = Width::load(values, i);
+      for (size_t session = 0; session < kSessions; ++session) {
+        const float* const delta = deltas.value[1 + channel][session] + channel;
+        float* const to = held[session] + place + i;
+        add_product(hn::Set(floats, delta[0]), value, to);
+        add_product(hn::Set(floats, delta[1]), value, to + kBlockReceivers);
+      }
+    }
+  }
+}
+
+template <class Width, size_t kSessions>
+HWY_INLINE void add_blocks(const Blocks& blocks, const PlaneDeltas<kSessions>& deltas,
+                           float* const* held) {
+  add_luma<Width, kSessions>(blocks, deltas, held);
+  add_chroma<Width, kSessions>(blocks, deltas, held);
 }
 
 template <size_t kSessions>
