@@ -213,26 +213,40 @@ void add_columns_lanes(const TransportView& transport, size_t tile, const Column
   add_all<1>(transport, tile, One{columns}, count, &held);
 }
 
+/// The first kSessions of `sessions`, whose deltas are [column][session].
 template <size_t kSessions>
 HWY_NOINLINE void add_columns_to(const TransportView& transport, size_t tile,
-                                 const SessionDeltas& columns, float* const* held) {
+                                 const uint32_t* columns, size_t count, const Vec3f* deltas,
+                                 size_t sessions, float* const* held) {
   struct Many {
     const uint32_t* columns;
     const Vec3f* deltas;
+    size_t sessions;
     size_t column(size_t i) const { return columns[i]; }
-    const Vec3f& delta(size_t i, size_t session) const { return deltas[i * kSessions + session]; }
+    const Vec3f& delta(size_t i, size_t session) const { return deltas[i * sessions + session]; }
   };
-  add_all<kSessions>(transport, tile, Many{columns.columns.data(), columns.deltas.data()},
-                     columns.columns.size(), held);
+  add_all<kSessions>(transport, tile, Many{columns, deltas, sessions}, count, held);
 }
 
+/// So many columns of a tile stay in the second-level cache, even where all blocks are stored.
+constexpr size_t kColumnsAtOnce = 64;
+
+/// Two sessions at a time: their tiles just about stay in the first-level cache. With more, they
+/// have to come from the second for each block, which costs more than decoding it again.
 void add_columns_to_all_lanes(const TransportView& transport, size_t tile,
                               const SessionDeltas& columns, float* const* held, size_t sessions) {
-  static_assert(kMostSessionsAPass == 8);
-  constexpr decltype(&add_columns_to<1>) kAdd[] = {
-      add_columns_to<1>, add_columns_to<2>, add_columns_to<3>, add_columns_to<4>,
-      add_columns_to<5>, add_columns_to<6>, add_columns_to<7>, add_columns_to<8>};
-  kAdd[sessions - 1](transport, tile, columns, held);
+  for (size_t i = 0; i < columns.columns.size(); i += kColumnsAtOnce) {
+    const size_t count = HWY_MIN(kColumnsAtOnce, columns.columns.size() - i);
+    const uint32_t* const ids = columns.columns.data() + i;
+    const Vec3f* const deltas = columns.deltas.data() + i * sessions;
+    size_t s = 0;
+    for (; s + 2 <= sessions; s += 2) {
+      add_columns_to<2>(transport, tile, ids, count, deltas + s, sessions, held + s);
+    }
+    if (s < sessions) {
+      add_columns_to<1>(transport, tile, ids, count, deltas + s, sessions, held + s);
+    }
+  }
 }
 
 const char* target_name() { return hwy::TargetName(HWY_TARGET); }
@@ -256,7 +270,6 @@ void add_columns(const TransportView& transport, std::size_t tile,
 
 void add_columns_to_all(const TransportView& transport, std::size_t tile,
                         const SessionDeltas& columns, std::span<float* const> held) {
-  RIMLIGHT_CHECK(!held.empty() && held.size() <= kMostSessionsAPass);
   RIMLIGHT_CHECK_EQ(columns.deltas.size(), columns.columns.size() * held.size());
   HWY_DYNAMIC_DISPATCH(add_columns_to_all_lanes)
   (transport, tile, columns, held.data(), held.size());
