@@ -68,31 +68,68 @@ struct Blocks {
   const uint16_t* index;
 };
 
-/// held[session][channel][8] += delta[plane][session][channel] · values[8] over the blocks of one
-/// width. Its three planes are one loop: sections are so short that a loop for each would mostly
-/// wait for mispredicted ends. Chroma adds zero to the channel that it does not have. No tail: 8 is
-/// a multiple of the lanes.
+/// to[8] += factor · value[8], from lane `i` on.
+HWY_INLINE void add_product(hn::Vec<Floats> factor, hn::Vec<Floats> value, float* to) {
+  const Floats floats;
+  hn::Store(hn::MulAdd(factor, value, hn::Load(floats, to)), floats, to);
+}
+
+/// held[session][channel][8] += delta[session][channel] · values[8] over the luma blocks of one
+/// width. No tail: 8 is a multiple of the lanes.
 template <class Width, size_t kSessions>
-HWY_INLINE void add_blocks(const Blocks& blocks, const PlaneDeltas<kSessions>& deltas,
-                           float* const* held) {
+HWY_INLINE void add_luma(const Blocks& blocks, const PlaneDeltas<kSessions>& deltas,
+                         float* const* held) {
   constexpr size_t kBytes = kBlockBytes[static_cast<size_t>(Width::kWidth)];
   const Floats floats;
+  hn::Vec<Floats> factor[kSessions][3];
+  for (size_t session = 0; session < kSessions; ++session) {
+    for (size_t channel = 0; channel < 3; ++channel) {
+      factor[session][channel] = hn::Set(floats, deltas.value[0][session][channel]);
+    }
+  }
   const uint8_t* HWY_RESTRICT values = blocks.values;
-  for (size_t block = 0; block < blocks.count; ++block, values += kBytes) {
-    const size_t plane =
-        size_t{block >= blocks.first_chroma} + size_t{block >= blocks.second_chroma};
+  for (size_t block = 0; block < blocks.first_chroma; ++block, values += kBytes) {
     const size_t place = blocks.index[block] * kBlockFloats;
     for (size_t i = 0; i < kBlockReceivers; i += hn::Lanes(floats)) {
       const auto value = Width::load(values, i);
       for (size_t session = 0; session < kSessions; ++session) {
-        for (size_t channel = 0; channel < 3; ++channel) {
-          float* const to = held[session] + place + channel * kBlockReceivers + i;
-          const auto factor = hn::Set(floats, deltas.value[plane][session][channel]);
-          hn::Store(hn::MulAdd(factor, value, hn::Load(floats, to)), floats, to);
-        }
+        float* const to = held[session] + place + i;
+        add_product(factor[session][0], value, to);
+        add_product(factor[session][1], value, to + kBlockReceivers);
+        add_product(factor[session][2], value, to + 2 * kBlockReceivers);
       }
     }
   }
+}
+
+/// The same for chroma, which adds to red and green, or green and blue: both planes in one loop,
+/// since sections are so short that each loop's mispredicted end counts.
+template <class Width, size_t kSessions>
+HWY_INLINE void add_chroma(const Blocks& blocks, const PlaneDeltas<kSessions>& deltas,
+                           float* const* held) {
+  constexpr size_t kBytes = kBlockBytes[static_cast<size_t>(Width::kWidth)];
+  const Floats floats;
+  const uint8_t* HWY_RESTRICT values = blocks.values + blocks.first_chroma * kBytes;
+  for (size_t block = blocks.first_chroma; block < blocks.count; ++block, values += kBytes) {
+    const size_t channel = block >= blocks.second_chroma;
+    const size_t place = blocks.index[block] * kBlockFloats + channel * kBlockReceivers;
+    for (size_t i = 0; i < kBlockReceivers; i += hn::Lanes(floats)) {
+      const auto value = Width::load(values, i);
+      for (size_t session = 0; session < kSessions; ++session) {
+        const float* const delta = deltas.value[1 + channel][session] + channel;
+        float* const to = held[session] + place + i;
+        add_product(hn::Set(floats, delta[0]), value, to);
+        add_product(hn::Set(floats, delta[1]), value, to + kBlockReceivers);
+      }
+    }
+  }
+}
+
+template <class Width, size_t kSessions>
+HWY_INLINE void add_blocks(const Blocks& blocks, const PlaneDeltas<kSessions>& deltas,
+                           float* const* held) {
+  add_luma<Width, kSessions>(blocks, deltas, held);
+  add_chroma<Width, kSessions>(blocks, deltas, held);
 }
 
 template <size_t kSessions>
@@ -176,26 +213,40 @@ void add_columns_lanes(const TransportView& transport, size_t tile, const Column
   add_all<1>(transport, tile, One{columns}, count, &held);
 }
 
+/// The first kSessions of `sessions`, whose deltas are [column][session].
 template <size_t kSessions>
 HWY_NOINLINE void add_columns_to(const TransportView& transport, size_t tile,
-                                 const SessionDeltas& columns, float* const* held) {
+                                 const uint32_t* columns, size_t count, const Vec3f* deltas,
+                                 size_t sessions, float* const* held) {
   struct Many {
     const uint32_t* columns;
     const Vec3f* deltas;
+    size_t sessions;
     size_t column(size_t i) const { return columns[i]; }
-    const Vec3f& delta(size_t i, size_t session) const { return deltas[i * kSessions + session]; }
+    const Vec3f& delta(size_t i, size_t session) const { return deltas[i * sessions + session]; }
   };
-  add_all<kSessions>(transport, tile, Many{columns.columns.data(), columns.deltas.data()},
-                     columns.columns.size(), held);
+  add_all<kSessions>(transport, tile, Many{columns, deltas, sessions}, count, held);
 }
 
+/// So many columns of a tile stay in the second-level cache, even where all blocks are stored.
+constexpr size_t kColumnsAtOnce = 64;
+
+/// Two sessions at a time: their tiles just about stay in the first-level cache. With more, they
+/// have to come from the second for each block, which costs more than decoding it again.
 void add_columns_to_all_lanes(const TransportView& transport, size_t tile,
                               const SessionDeltas& columns, float* const* held, size_t sessions) {
-  static_assert(kMostSessionsAPass == 8);
-  constexpr decltype(&add_columns_to<1>) kAdd[] = {
-      add_columns_to<1>, add_columns_to<2>, add_columns_to<3>, add_columns_to<4>,
-      add_columns_to<5>, add_columns_to<6>, add_columns_to<7>, add_columns_to<8>};
-  kAdd[sessions - 1](transport, tile, columns, held);
+  for (size_t i = 0; i < columns.columns.size(); i += kColumnsAtOnce) {
+    const size_t count = HWY_MIN(kColumnsAtOnce, columns.columns.size() - i);
+    const uint32_t* const ids = columns.columns.data() + i;
+    const Vec3f* const deltas = columns.deltas.data() + i * sessions;
+    size_t s = 0;
+    for (; s + 2 <= sessions; s += 2) {
+      add_columns_to<2>(transport, tile, ids, count, deltas + s, sessions, held + s);
+    }
+    if (s < sessions) {
+      add_columns_to<1>(transport, tile, ids, count, deltas + s, sessions, held + s);
+    }
+  }
 }
 
 const char* target_name() { return hwy::TargetName(HWY_TARGET); }
@@ -219,7 +270,6 @@ void add_columns(const TransportView& transport, std::size_t tile,
 
 void add_columns_to_all(const TransportView& transport, std::size_t tile,
                         const SessionDeltas& columns, std::span<float* const> held) {
-  RIMLIGHT_CHECK(!held.empty() && held.size() <= kMostSessionsAPass);
   RIMLIGHT_CHECK_EQ(columns.deltas.size(), columns.columns.size() * held.size());
   HWY_DYNAMIC_DISPATCH(add_columns_to_all_lanes)
   (transport, tile, columns, held.data(), held.size());

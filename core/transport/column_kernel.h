@@ -18,9 +18,8 @@ struct ColumnDelta {
 /// Adds columns' runs of one tile to what that tile holds, in the order given:
 ///   held  [kTileFloats] = [block][3][8], pixel Haar coefficients of T; 64-byte aligned
 /// Dispatched once a call to the widest SIMD target (Highway); fp32 accumulation with FMA where the
-/// target has it. Chroma adds zero to the channel that it does not have. Bound: each addition
-/// rounds a few times, relative 2⁻²² of |delta·m| + |held|. The same bits for the same binary and
-/// target whatever the thread count. Allocates nothing.
+/// target has it. Bound: each addition rounds a few times, relative 2⁻²² of |delta·m| + |held|.
+/// The same bits for the same binary and target whatever the thread count. Allocates nothing.
 void add_columns(const TransportView& transport, std::size_t tile,
                  std::span<const ColumnDelta> columns, float* held) noexcept;
 
@@ -29,12 +28,12 @@ struct SessionDeltas {
   std::span<const std::uint32_t> columns;
   std::span<const Vec3f> deltas;  // [column][session]
 };
-inline constexpr std::size_t kMostSessionsAPass = 8;
 
-/// add_columns() for several sessions that hold an image of the same transport, in one pass: each
-/// block of M is read and decoded once. `held`: a tile for each session, 1 … kMostSessionsAPass,
-/// no two the same. A session's tile gets the same bits as from add_columns() with its own deltas
-/// for all of these columns; a zero delta is added like any other.
+/// add_columns() for several sessions that hold an image of the same transport: each block of M is
+/// read from memory once for all, and decoded once for every two. `held`: a tile for each session,
+/// no two the same; CheckFailure when there is not a delta for each column and session. A tile gets
+/// the same bits as from add_columns() with the session's own deltas for all of these columns; a
+/// zero delta is added like any other.
 void add_columns_to_all(const TransportView& transport, std::size_t tile,
                         const SessionDeltas& columns, std::span<float* const> held);
 

@@ -171,10 +171,10 @@ struct ManyDeltas {
 TEST(ColumnKernel, SeveralSessionsGetTheBitsThatEachWouldGetAlone) {
   for (const double density : {0.01, 0.3}) {
     const Transport transport =
-        random_transport({.tile_count = 2, .column_count = 60, .density = density});
-    for (std::size_t sessions = 1; sessions <= kMostSessionsAPass; ++sessions) {
-      const ManyDeltas many(60, sessions);
-      ASSERT_GT(many.columns.size(), 20u);
+        random_transport({.tile_count = 2, .column_count = 200, .density = density});
+    for (std::size_t sessions = 1; sessions <= 9; ++sessions) {
+      const ManyDeltas many(200, sessions);
+      ASSERT_GT(many.columns.size(), 130u) << "more than are added at once";
       for_each_target([&] {
         std::vector<AlignedVector<float>> held, alone;
         std::vector<float*> tiles;
@@ -194,21 +194,21 @@ TEST(ColumnKernel, SeveralSessionsGetTheBitsThatEachWouldGetAlone) {
   }
 }
 
-TEST(ColumnKernel, RefusesSessionsThatItHasNoPassFor) {
+TEST(ColumnKernel, RefusesDeltasThatAreNotOneForEachColumnAndSession) {
   const Transport transport = random_transport({});
-  AlignedVector<float> held(kTileFloats);
+  AlignedVector<float> held(kTileFloats), other(kTileFloats);
+  const std::vector<float*> tiles = {held.data(), other.data()};
   const std::vector<std::uint32_t> columns = {0, 1};
-  const std::vector<Vec3f> deltas(2 * (kMostSessionsAPass + 1), Vec3f{1, 1, 1});
-  const auto add = [&](std::size_t sessions, std::size_t delta_count) {
-    const std::vector<float*> tiles(sessions, held.data());
-    add_columns_to_all(transport.view(), 0, {columns, std::span(deltas).first(delta_count)}, tiles);
-  };
-  EXPECT_THROW(add(0, 0), CheckFailure);
-  EXPECT_THROW(add(kMostSessionsAPass + 1, deltas.size()), CheckFailure);
-  EXPECT_THROW(add(1, 3), CheckFailure) << "a delta too many";
+  const std::vector<Vec3f> deltas(5, Vec3f{1, 1, 1});
+  for (const std::size_t count : {0u, 2u, 3u, 5u}) {
+    const SessionDeltas wrong = {columns, std::span(deltas).first(count)};
+    EXPECT_THROW(add_columns_to_all(transport.view(), 0, wrong, tiles), CheckFailure);
+  }
   EXPECT_EQ(held, AlignedVector<float>(kTileFloats));
-  add(1, 2);
+  add_columns_to_all(transport.view(), 0, {columns, std::span(deltas).first(4)}, tiles);
   EXPECT_NE(held, AlignedVector<float>(kTileFloats));
+  EXPECT_EQ(held, other);
+  add_columns_to_all(transport.view(), 0, {}, {});  // nothing for no one
 }
 
 TEST(ColumnKernel, NoColumnsChangeNothing) {
