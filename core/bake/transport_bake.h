@@ -37,6 +37,7 @@ struct BakeRequest {
   nlohmann::json settings;                // for people: what it was baked with
   double psnr_db = 50;
   std::uint64_t seed = 1;
+  std::size_t reference_receivers = 0;    // of which rows are kept as they are; 0: none
   std::uint64_t fingerprint = 0;  // of all that the source's rows depend on
   std::string stage = "tracing";  // what making rows is called
 };
