@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/relight/prepared_environment.h"
+#include "core/report/run_summary.h"
 #include "core/report/timed_run.h"
 
 namespace rimlight {
@@ -22,6 +23,7 @@ class Experiment {
     report_.sequence = settings.sequence.name;
     report_.has_reference_rows = receivers_.has_rows();
     report_.receivers = receivers_.count();
+    if (!progress_) progress_ = [](const std::string&, double) {};
     report_.cube_size = bake.manifest().cube_size;
     report_.policies = settings.policies;
   }
@@ -107,7 +109,7 @@ class Experiment {
 
   const Bake& bake_;
   const ErrorVsTimeSettings& settings_;
-  const ReportProgress& progress_;
+  ReportProgress progress_;
   MeasuredReceivers receivers_;
   ErrorVsTimeReport report_;
 };

@@ -38,7 +38,14 @@ GnuplotScript::GnuplotScript(const std::string& picture, int width, int height) 
   add("set terminal pngcairo noenhanced size " + std::to_string(width) + "," +
       std::to_string(height) + " font \"DejaVu Sans,10\" background \"white\"");
   add("set output " + gnuplot_quote(picture));
-  add("set grid lc rgb \"#dddddd\"");
+  add("set grid lc rgb \"#dddddd\"\nset format y \"%g\"");
+  const char* const colours[] = {"#1b9e77", "#66a61e", "#a6761d", "#e6ab02", "#7570b3",
+                                 "#1f78b4", "#e31a1c", "#08306b", "#fb6a4a", "#000000"};
+  int type = 0;
+  for (const char* const colour : colours) {
+    add("set linetype " + std::to_string(++type) + " lc rgb " + gnuplot_quote(colour));
+  }
+  add("set linetype cycle " + std::to_string(type));
 }
 
 void GnuplotScript::add(const std::string& line) { text_ += line + "\n"; }

@@ -8,6 +8,15 @@ namespace {
 /// Whether it is one of the still frames after a motion, and not before the first.
 bool is_after_motion(const FrameRow& row, bool has_moved) { return !row.moving && has_moved; }
 
+double median_ms(const std::vector<const FrameRow*>& frames) {
+  if (frames.empty()) return 0;
+  std::vector<double> ms;
+  for (const FrameRow* const row : frames) ms.push_back(row->ms.total());
+  const auto middle = ms.begin() + static_cast<std::ptrdiff_t>(ms.size() / 2);
+  std::nth_element(ms.begin(), middle, ms.end());
+  return *middle;
+}
+
 RunSummary summarize(const FrameRow* begin, const FrameRow* end) {
   RunSummary summary{begin->light, begin->run, begin->policy, begin->budget, {}, {}, {}};
   std::vector<const FrameRow*> moving, still, just_after;
@@ -30,19 +39,24 @@ FrameMeans mean_of(const std::vector<const FrameRow*>& frames) {
   if (frames.empty()) return means;
   means.frames = frames.size();
   const double share = 1 / static_cast<double>(frames.size());
-  std::vector<double> ms;
+  means.median_ms = median_ms(frames);
   for (const FrameRow* const row : frames) {
-    ms.push_back(row->ms.total());
     means.relative_l2 += share * row->relative_l2;
     means.psnr_db += share * row->psnr_db;
     means.psnr_time_db += share * row->psnr_time_db;
     means.lighting_error += share * row->lighting_error;
     means.ghost += share * row->ghost;
   }
-  const auto middle = ms.begin() + static_cast<std::ptrdiff_t>(ms.size() / 2);
-  std::nth_element(ms.begin(), middle, ms.end());
-  means.median_ms = *middle;
   return means;
+}
+
+double median_ms(const std::vector<FrameRow>& rows) {
+  const bool any_moves = std::ranges::any_of(rows, &FrameRow::moving);
+  std::vector<const FrameRow*> frames;
+  for (const FrameRow& row : rows) {
+    if (row.moving || !any_moves) frames.push_back(&row);
+  }
+  return median_ms(frames);
 }
 
 std::vector<RunSummary> summarize_runs(const std::vector<FrameRow>& rows) {

@@ -31,6 +31,8 @@ struct RunSummary {
 };
 inline constexpr int kJustAfter = 5;
 
+/// The median of the frames' milliseconds in motion; of all when none moves.
+double median_ms(const std::vector<FrameRow>& rows);
 FrameMeans mean_of(const std::vector<const FrameRow*>& frames);
 
 /// In the order of the rows, which are in runs.

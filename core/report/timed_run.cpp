@@ -215,16 +215,4 @@ TimedRun play(const Bake& bake, const MeasuredReceivers& receivers, const TimedP
   return run;
 }
 
-double median_ms(const std::vector<FrameRow>& rows) {
-  std::vector<double> ms;
-  const bool any = std::ranges::any_of(rows, &FrameRow::moving);
-  for (const FrameRow& row : rows) {
-    if (row.moving || !any) ms.push_back(row.ms.total());
-  }
-  if (ms.empty()) return 0;
-  const auto middle = ms.begin() + static_cast<std::ptrdiff_t>(ms.size() / 2);
-  std::nth_element(ms.begin(), middle, ms.end());
-  return *middle;
-}
-
 }  // namespace rimlight

@@ -51,7 +51,4 @@ struct TimedRun {
 TimedRun play(const Bake& bake, const MeasuredReceivers& receivers, const TimedPolicy& policy,
               LitSequence& sequence);
 
-/// The median of the frames' milliseconds in motion; of all when none moves.
-double median_ms(const std::vector<FrameRow>& rows);
-
 }  // namespace rimlight
