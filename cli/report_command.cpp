@@ -112,8 +112,9 @@ void add_error_vs_time(CLI::App& report, Action& chosen) {
   command->add_option("--sequence", options->sequence, "A light sequence by name, or a .json file")
       ->capture_default_str();
   command->add_option("--policy", options->policies,
-                      "POLICY@BUDGET, such as pbi@30 or benefit@16ms, or POLICY@OTHER@BUDGET: as "
-                      "long as that one takes; repeatable (default: those of the papers, and "
+                      "POLICY@BUDGET, such as pbi@30 or benefit@16ms; or as long as another takes, "
+                      "benefit@pbi@30, or as many bytes, benefit@bytes:pbi@30; repeatable "
+                      "(default: those of the papers, and "
                       "benefit in their time)");
   command->add_option("--frames", options->frames, "Only the first of the sequence")
       ->check(CLI::Range(1, 1'000'000));

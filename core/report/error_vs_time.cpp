@@ -50,9 +50,9 @@ class Experiment {
     for (const TimedPolicy& policy : settings_.policies) {
       const std::string name = policy.name();
       if (std::ranges::count(known, name) > 0) throw Error(quote(name), "it twice", "it once");
-      if (!policy.as_long_as.empty() && std::ranges::count(known, policy.as_long_as) == 0) {
-        throw Error(quote(name), "no earlier " + quote(policy.as_long_as),
-                    "the policy whose time it takes before it");
+      if (!policy.other.empty() && std::ranges::count(known, policy.other) == 0) {
+        throw Error(quote(name), "no earlier " + quote(policy.other),
+                    "the policy that it spends as much as before it");
       }
       known.push_back(name);
     }
@@ -83,12 +83,16 @@ class Experiment {
     for (const ReferenceFrame& frame : lit.frames) targets.push_back(frame.target);
     of_light.spatio_temporal_norms =
         spatio_temporal_norms(CubeHaar(bake_.manifest().cube_size), targets);
-    std::map<std::string, double> taken_ms;  // by run
+    std::map<std::string, FrameMeans> spent;  // by run
     for (std::size_t i = 0; i < settings_.policies.size(); ++i) {
       TimedPolicy policy = settings_.policies[i];
-      if (!policy.as_long_as.empty()) policy.budget.amount = taken_ms.at(policy.as_long_as);
+      if (!policy.other.empty()) {
+        const FrameMeans& of_other = spent.at(policy.other);
+        const bool in_bytes = policy.budget.unit == FrameBudget::Unit::bytes;
+        policy.budget.amount = in_bytes ? of_other.median_bytes : of_other.median_ms;
+      }
       const TimedRun run = play(bake_, receivers_, policy, lit);
-      taken_ms[policy.name()] = median_ms(run.rows);
+      spent[policy.name()] = mean_of(frames_that_count(run.rows));
       add_coverage(policy.name(), run, of_light);
       report_.rows.insert(report_.rows.end(), run.rows.begin(), run.rows.end());
       progress_(name + ": " + policy.name(),

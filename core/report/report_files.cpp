@@ -61,6 +61,7 @@ json means_json(const FrameMeans& means) {
   if (means.frames == 0) return nullptr;
   return {{"frames", means.frames},
           {"median_ms", means.median_ms},
+          {"median_bytes", means.median_bytes},
           {"relative_l2", means.relative_l2},
           {"psnr_db", means.psnr_db},
           {"psnr_time_db", means.psnr_time_db},

@@ -1,6 +1,7 @@
 #include "core/report/run_summary.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace rimlight {
 namespace {
@@ -8,12 +9,10 @@ namespace {
 /// Whether it is one of the still frames after a motion, and not before the first.
 bool is_after_motion(const FrameRow& row, bool has_moved) { return !row.moving && has_moved; }
 
-double median_ms(const std::vector<const FrameRow*>& frames) {
-  if (frames.empty()) return 0;
-  std::vector<double> ms;
-  for (const FrameRow* const row : frames) ms.push_back(row->ms.total());
-  const auto middle = ms.begin() + static_cast<std::ptrdiff_t>(ms.size() / 2);
-  std::nth_element(ms.begin(), middle, ms.end());
+/// The upper one of an even number.
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
@@ -39,24 +38,28 @@ FrameMeans mean_of(const std::vector<const FrameRow*>& frames) {
   if (frames.empty()) return means;
   means.frames = frames.size();
   const double share = 1 / static_cast<double>(frames.size());
-  means.median_ms = median_ms(frames);
+  std::vector<double> ms, bytes;
   for (const FrameRow* const row : frames) {
+    ms.push_back(row->ms.total());
+    bytes.push_back(static_cast<double>(row->bytes));
     means.relative_l2 += share * row->relative_l2;
     means.psnr_db += share * row->psnr_db;
     means.psnr_time_db += share * row->psnr_time_db;
     means.lighting_error += share * row->lighting_error;
     means.ghost += share * row->ghost;
   }
+  means.median_ms = median(std::move(ms));
+  means.median_bytes = median(std::move(bytes));
   return means;
 }
 
-double median_ms(const std::vector<FrameRow>& rows) {
+std::vector<const FrameRow*> frames_that_count(const std::vector<FrameRow>& rows) {
   const bool any_moves = std::ranges::any_of(rows, &FrameRow::moving);
   std::vector<const FrameRow*> frames;
   for (const FrameRow& row : rows) {
     if (row.moving || !any_moves) frames.push_back(&row);
   }
-  return median_ms(frames);
+  return frames;
 }
 
 std::vector<RunSummary> summarize_runs(const std::vector<FrameRow>& rows) {

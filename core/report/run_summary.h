@@ -8,10 +8,11 @@
 
 namespace rimlight {
 
-/// Means of some frames; the median of their milliseconds. All 0 without frames.
+/// Means of some frames; the medians of what they cost. All 0 without frames.
 struct FrameMeans {
   std::size_t frames = 0;
   double median_ms = 0;
+  double median_bytes = 0;
   double relative_l2 = 0;
   double psnr_db = 0;
   double psnr_time_db = 0;
@@ -31,8 +32,8 @@ struct RunSummary {
 };
 inline constexpr int kJustAfter = 5;
 
-/// The median of the frames' milliseconds in motion; of all when none moves.
-double median_ms(const std::vector<FrameRow>& rows);
+/// The frames in motion; all when none moves.
+std::vector<const FrameRow*> frames_that_count(const std::vector<FrameRow>& rows);
 FrameMeans mean_of(const std::vector<const FrameRow*>& frames);
 
 /// In the order of the rows, which are in runs.

@@ -9,13 +9,14 @@
 namespace rimlight {
 
 /// A policy and what one of its frames may cost. As text: POLICY@BUDGET, "pbi@30", "benefit@16ms";
-/// or POLICY@OTHER@BUDGET, "benefit@pbi@30": as long as that other's frames took.
+/// or what another's frames cost: POLICY@OTHER@BUDGET, "benefit@pbi@30", in time;
+/// POLICY@bytes:OTHER@BUDGET in bytes of transport, which no busy machine disturbs.
 struct TimedPolicy {
   PolicySettings policy;
-  /// Milliseconds are of a whole frame, from its light to its JPEG. When `as_long_as` is not empty,
-  /// it is the median of that one's moving frames in the same run, and unknown until then.
+  /// Milliseconds are of a whole frame, from its light to its JPEG. Where there is another policy,
+  /// the amount is the median of its frames in motion in the same run, and unknown until then.
   FrameBudget budget;
-  std::string as_long_as;  // a timed policy's name
+  std::string other;  // the name of the policy that this one spends as much as; empty: none
 
   std::string name() const;
 };

@@ -1,6 +1,7 @@
 #include "core/report/timed_run.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <utility>
 
@@ -29,6 +30,26 @@ class Stopwatch {
  private:
   using Clock = std::chrono::steady_clock;
   Clock::time_point start_ = Clock::now();
+};
+
+/// What something takes, from the last few times: their median, since one that was interrupted
+/// tells nothing of the next.
+class RecentTimes {
+ public:
+  void add(double ms) {
+    last_[next_++ % last_.size()] = ms;
+    count_ = std::min(count_ + 1, last_.size());
+  }
+  double typical_ms() const {
+    auto known = last_;
+    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(count_ / 2);
+    std::nth_element(known.begin(), middle, known.begin() + static_cast<std::ptrdiff_t>(count_));
+    return *middle;
+  }
+
+ private:
+  std::array<double, 5> last_{};
+  std::size_t next_ = 0, count_ = 0;
 };
 
 /// Coefficients of texels; these are scratch then.
@@ -85,13 +106,12 @@ class Player {
     row.ms.light = watch.lap_ms();
     FrameBudget budget = policy_.budget;
     if (budget.unit == FrameBudget::Unit::milliseconds) {
-      budget.amount = std::max(0.0, budget.amount - row.ms.light - last_.display - last_.encode);
+      budget.amount = std::max(0.0, budget.amount - row.ms.light - showing_.typical_ms());
     }
     const UpdateReport update = updater_.update(target_, budget);
     row.ms.plan = update.plan_ms;
     row.ms.apply = std::max(0.0, watch.lap_ms() - update.plan_ms);
     row.columns = update.columns;
-    row.bytes = update.bytes;
     row.reset_bands = update.reset_bands;
   }
 
@@ -109,7 +129,7 @@ class Player {
     row.ms.display = watch.lap_ms();
     encoder_.encode(picture_, kJpegQuality, jpeg_);
     row.ms.encode = watch.lap_ms();
-    last_ = row.ms;
+    showing_.add(row.ms.display + row.ms.encode);
   }
 
   float exposure() const { return static_cast<float>(sequence_.frames.front().exposure); }
@@ -124,6 +144,7 @@ class Player {
         if (now == (reset ? Vec3f{} : before.at(i))) continue;
         chosen.push_back(static_cast<std::uint32_t>(i));
         ++row.columns_of_band[static_cast<std::size_t>(band)];
+        row.bytes += bake_.column_bytes()[i];
       }
     }
   }
@@ -162,7 +183,7 @@ class Player {
   Rgb8Image picture_;
   std::vector<std::uint8_t> jpeg_;
   std::vector<Vec3f> image_;
-  FrameTimes last_;
+  RecentTimes showing_;
   double image_norm_ = 0;
   int still_frames_ = 0;
 };

@@ -37,8 +37,9 @@ class ErrorVsTime : public ::testing::Test {
     ErrorVsTimeSettings settings;
     settings.sequence = short_turn();
     settings.policies.clear();
-    for (const char* const policy : {"nwa@10", "nwa@40", "nwa@160", "pbi@200", "bi@1536",
-                                     "benefit@nwa@160", "benefit@1000ms"}) {
+    for (const char* const policy :
+         {"nwa@10", "nwa@40", "nwa@160", "pbi@200", "bi@1536", "benefit@nwa@160",
+          "benefit@bytes:nwa@160", "benefit@1000ms"}) {
       settings.policies.push_back(parse_timed_policy(policy, "test"));
     }
     report_ = new ErrorVsTimeReport(measure_error_vs_time(
@@ -81,7 +82,7 @@ TEST_F(ErrorVsTime, HasARowForEveryLightPolicyAndFrame) {
     EXPECT_TRUE(std::isfinite(row.relative_l2) && row.relative_l2 >= 0);
     EXPECT_TRUE(row.psnr_db > 0 && row.psnr_db <= 99);
   }
-  EXPECT_EQ(counts.size(), 2u * 7);
+  EXPECT_EQ(counts.size(), 2u * 8);
   for (const auto& [run, count] : counts) EXPECT_EQ(count, 1 + kMoving + kStill) << run.second;
 }
 
@@ -154,17 +155,21 @@ TEST_F(ErrorVsTime, CountsColumnsByBandAndBandsThatStartAfresh) {
   EXPECT_GT(checked, 0);
 }
 
-TEST_F(ErrorVsTime, GivesAPolicyTheTimeThatAnotherTook) {
+TEST_F(ErrorVsTime, GivesAPolicyWhatAnotherSpent) {
   for (const char* const light : {"sunny", "studio"}) {
-    std::vector<const FrameRow*> moving;
     const std::vector<FrameRow> rows = rows_of("nwa@160", light);
-    for (const FrameRow& row : rows) {
-      if (row.moving) moving.push_back(&row);
+    const FrameMeans spent = mean_of(frames_that_count(rows));
+    EXPECT_EQ(spent.frames, static_cast<std::size_t>(kMoving));
+    const auto given = [&](const char* run) {
+      return parse_budget(rows_of(run, light).front().budget, "test");
+    };
+    EXPECT_EQ(given("benefit@nwa@160").unit, FrameBudget::Unit::milliseconds);
+    EXPECT_NEAR(given("benefit@nwa@160").amount, spent.median_ms, 1e-6);
+    EXPECT_NEAR(given("benefit@bytes:nwa@160").amount, spent.median_bytes, 1);
+    EXPECT_GT(spent.median_bytes, 0);
+    for (const FrameRow& row : rows_of("benefit@bytes:nwa@160", light)) {
+      EXPECT_LE(static_cast<double>(row.bytes), spent.median_bytes);
     }
-    const FrameBudget given =
-        parse_budget(rows_of("benefit@nwa@160", light).front().budget, "test");
-    EXPECT_EQ(given.unit, FrameBudget::Unit::milliseconds);
-    EXPECT_NEAR(given.amount, mean_of(moving).median_ms, 1e-6);
   }
 }
 

@@ -11,18 +11,21 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(TimedPolicy, NamesReadBackAsWhatTheyName) {
-  for (const char* const text : {"nwa@30", "pbi:dealer:transport@2MB", "benefit@16ms",
-                                 "benefit@pbi@30", "bi:unweighted@nwa@100"}) {
+  for (const char* const text :
+       {"nwa@30", "pbi:dealer:transport@2MB", "benefit@16ms", "benefit@pbi@30",
+        "benefit@bytes:pbi@30", "bi:unweighted@nwa@100"}) {
     EXPECT_EQ(parse_timed_policy(text, "x").name(), text);
   }
-  EXPECT_EQ(parse_timed_policy("benefit@pbi@30", "x").as_long_as, "pbi@30");
+  EXPECT_EQ(parse_timed_policy("benefit@pbi@30", "x").other, "pbi@30");
   EXPECT_EQ(parse_timed_policy("benefit@pbi@30", "x").budget.unit, FrameBudget::Unit::milliseconds);
+  EXPECT_EQ(parse_timed_policy("benefit@bytes:pbi@30", "x").budget.unit, FrameBudget::Unit::bytes);
   EXPECT_EQ(parse_timed_policy("pbi@30", "x").budget.amount, 30);
 }
 
 TEST(TimedPolicy, WhatIsNoneIsRefusedByName) {
-  for (const char* const text : {"", "pbi", "@30", "pbi@", "pbi@30 ", "pbi@-1", "paint@30",
-                                 "benefit@pbi", "benefit@pbi@nwa@30", "benefit@@30"}) {
+  for (const char* const text :
+       {"", "pbi", "@30", "pbi@", "pbi@30 ", "pbi@-1", "paint@30", "benefit@pbi",
+        "benefit@pbi@nwa@30", "benefit@bytes:30", "bytes:pbi@30", "benefit@@30"}) {
     const std::string error = test::error_of([&] { return parse_timed_policy(text, "--policy"); });
     EXPECT_THAT(error, HasSubstr("--policy: found")) << text;
   }
@@ -31,8 +34,8 @@ TEST(TimedPolicy, WhatIsNoneIsRefusedByName) {
 TEST(TimedPolicy, TheDefaultsComeAfterThoseWhoseTimeTheyTake) {
   std::vector<std::string> names;
   for (const TimedPolicy& policy : default_timed_policies()) {
-    if (!policy.as_long_as.empty()) {
-      EXPECT_THAT(names, ::testing::Contains(policy.as_long_as));
+    if (!policy.other.empty()) {
+      EXPECT_THAT(names, ::testing::Contains(policy.other));
     }
     EXPECT_THAT(names, ::testing::Not(::testing::Contains(policy.name())));
     names.push_back(policy.name());
