@@ -108,6 +108,9 @@ bool FrameUpdater::apply_batch(const CubeLight& target, const Budget& budget,
   const std::size_t resets = static_cast<std::size_t>(
       std::ranges::count(plan_.bands, BandAction::reset, &BandUpdate::action));
   if (plan_.columns.empty() && resets == 0) return false;
+  for (std::size_t band = 0; band < plan_.bands.size(); ++band) {
+    report.reset_bands |= std::uint32_t{plan_.bands[band].action == BandAction::reset} << band;
+  }
   const auto planned = Clock::now();
   relighter_.apply(plan_, target);
   const double taken = milliseconds_since(planned);

@@ -34,6 +34,7 @@ struct UpdateReport {
   std::size_t columns = 0;        // added
   std::size_t bytes = 0;          // of M, read for them
   std::size_t bands_reset = 0;    // bands that started from zero, in all batches
+  std::uint32_t reset_bands = 0;  // the same, a bit a band
   std::size_t tiles_rebuilt = 0;  // against drift
   double plan_ms = 0;
   double apply_ms = 0;
