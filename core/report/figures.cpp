@@ -227,6 +227,8 @@ class LightFigures {
     script.add("set multiplot layout " + std::to_string(down) + "," + std::to_string(intervals));
     script.add("unset key\nunset tics\nunset grid\nunset colorbox\nset size ratio -1");
     script.add("set palette defined (0 \"white\", 1 \"black\")");
+    const std::size_t bands = light_.coverage.front().coverage.columns_of_band.size();
+    script.add("set cbrange [0:" + std::to_string(bands) + "]");
     for (int i = 0; i < count; ++i) {
       const CoverageSample& sample = light_.coverage[static_cast<std::size_t>(i)];
       const std::string data = "d" + std::to_string(i);

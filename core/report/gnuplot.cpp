@@ -39,8 +39,8 @@ GnuplotScript::GnuplotScript(const std::string& picture, int width, int height) 
       std::to_string(height) + " font \"DejaVu Sans,10\" background \"white\"");
   add("set output " + gnuplot_quote(picture));
   add("set grid lc rgb \"#dddddd\"\nset format y \"%g\"");
-  const char* const colours[] = {"#1b9e77", "#66a61e", "#a6761d", "#e6ab02", "#7570b3",
-                                 "#1f78b4", "#e31a1c", "#08306b", "#fb6a4a", "#000000"};
+  const char* const colours[] = {"#1b9e77", "#66a61e", "#a6761d", "#e6ab02", "#7570b3", "#1f78b4",
+                                 "#e31a1c", "#08306b", "#fb6a4a", "#000000", "#e7298a", "#969696"};
   int type = 0;
   for (const char* const colour : colours) {
     add("set linetype " + std::to_string(++type) + " lc rgb " + gnuplot_quote(colour));
