@@ -19,7 +19,7 @@ double milliseconds_since(Clock::time_point start) {
 
 /// Of a deadline's time the first batch is planned for this share: what it then takes tells how
 /// much more there is.
-constexpr double kFirstShare = 0.75;
+constexpr double kFirstShare = 0.85;
 constexpr double kNextShare = 0.9;
 constexpr int kMostBatches = 4;
 /// Time too short for another batch: planning alone takes a good part of it.

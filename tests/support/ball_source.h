@@ -16,6 +16,9 @@ class BallSource final : public GroupSource {
 
   const PixelLayout& layout() const override { return layout_; }
   int cube_size() const override { return haar_.size(); }
+  float typical_size() const override {
+    return 1 / static_cast<float>(haar_.size() * haar_.size());
+  }
   void find_rows(std::size_t first_receiver, BakedGroup& group) const override;
   bool has_receivers(std::size_t first_receiver) const override;
 
