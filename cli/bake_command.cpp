@@ -19,6 +19,7 @@ struct BakeOptions {
   int width = 0;
   int height = 0;
   int cube_size = 0;
+  std::size_t reference_receivers = 0;
   int threads = 0;
   bool json = false;
 };
@@ -35,6 +36,7 @@ int run(const BakeOptions& options) {
   if (options.width > 0) read.bake.width = options.width;
   if (options.height > 0) read.bake.height = options.height;
   if (options.cube_size > 0) read.bake.cube_size = options.cube_size;
+  read.bake.reference_receivers = options.reference_receivers;
   if (read.dropped_triangles > 0) {
     std::fprintf(stderr, "rimlight bake: %s: dropped %zu degenerate triangles\n",
                  options.scene.c_str(), read.dropped_triangles);
@@ -83,6 +85,11 @@ void add_bake_command(CLI::App& app, Action& chosen) {
       ->add_option("--cube-size", options->cube_size,
                    "Texels a side of the light's cube map, instead of the scene's")
       ->check(CLI::IsMember({4, 8, 16, 32, 64, 128}));
+  command
+      ->add_flag("--reference{8192}", options->reference_receivers,
+                 "Keep the uncompressed rows of a sample of receivers (8,192, or --reference=N), "
+                 "for `rimlight report`: 19 MB for each 64 of them at cube size 64")
+      ->check(CLI::Range(1, 1 << 26));
   command->add_option("--threads", options->threads, "Threads to use (default: all cores)")
       ->check(CLI::Range(1, 1024));
   command->add_flag("--json", options->json, "Print the result as one JSON object");

@@ -31,6 +31,7 @@ int run(int argc, char** argv) {
   rimlight::add_import_command(program, chosen);
   rimlight::add_inspect_command(program, chosen);
   rimlight::add_render_command(program, chosen);
+  rimlight::add_report_command(program, chosen);
   rimlight::add_serve_command(program, chosen);
   rimlight::add_load_command(program, chosen);
   try {

@@ -21,6 +21,7 @@ BakeSummary bake_image(const std::shared_ptr<const Scene>& scene,
                                       {"seed", bake.seed}},
                          .psnr_db = bake.psnr_db,
                          .seed = bake.seed,
+                         .reference_receivers = bake.reference_receivers,
                          .fingerprint = fingerprint(*scene)},
                         folder, progress);
 }

@@ -11,6 +11,7 @@
 #include "core/bake/compression.h"
 #include "core/bake/lane_kernel.h"
 #include "core/bake/pilot.h"
+#include "core/bake/reference_output.h"
 #include "core/bake/tile_store.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
@@ -176,6 +177,10 @@ class TransportBake {
     summary_.bytes = write_transport(writer_, store, source_.layout(), storage.least_energy);
     writer_.add_sketch(sums, source_.layout());
     write_environments(writer_, store, request_.environments, haar_, storage.least_energy);
+    if (request_.reference_receivers > 0) {
+      report("keeping reference rows", 0);
+      write_reference(writer_, source_, request_.reference_receivers);
+    }
     writer_.commit(describe(psnr, storage));
     report("writing", 1);
   }

@@ -38,6 +38,7 @@ struct BakeRequest {
   nlohmann::json measured = nlohmann::json::object();  // and what was measured before
   double psnr_db = 50;
   std::uint64_t seed = 1;
+  std::size_t reference_receivers = 0;    // of which rows are kept as they are; 0: none
   std::uint64_t fingerprint = 0;  // of all that the source's rows depend on
   std::string stage = "tracing";  // what making rows is called
 };

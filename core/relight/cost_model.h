@@ -8,11 +8,13 @@ namespace rimlight {
 ///
 ///     milliseconds = fixed + bytes · per_byte
 ///
-/// per_byte follows the measured batches, faster upwards than downwards, so that a machine that
-/// becomes busy is believed at once. Starts from a guess that is too slow on any machine.
+/// per_byte follows the measured batches within a few frames, a single slow one by little: most of
+/// those have lost their core for a moment. A batch too small to tell anything makes the next one
+/// larger, so that a guess that was too slow is not believed for ever. Starts from such a guess.
 class CostModel {
  public:
-  /// Bytes that a batch may move to take `milliseconds`; 0 when there is no time for any.
+  /// Bytes that a batch may move to take `milliseconds`, at most 10¹⁵; 0 when there is no time for
+  /// any.
   std::size_t bytes_within(double milliseconds) const;
   /// A batch was measured.
   void learn(std::size_t bytes, double milliseconds);

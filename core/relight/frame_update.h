@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/basis/cube_haar.h"
 #include "core/light/cube_light.h"
@@ -32,7 +33,8 @@ std::string budget_name(const FrameBudget& budget);
 struct UpdateReport {
   std::size_t columns = 0;        // added
   std::size_t bytes = 0;          // of M, read for them
-  std::size_t bands_reset = 0;    // bands that started from zero
+  std::size_t bands_reset = 0;    // bands that started from zero, in all batches
+  std::uint32_t reset_bands = 0;  // the same, a bit a band
   std::size_t tiles_rebuilt = 0;  // against drift
   double plan_ms = 0;
   double apply_ms = 0;
@@ -42,7 +44,9 @@ struct UpdateReport {
 ///
 /// A deadline is kept by a cost model that learns from each frame what a byte takes, and by a look
 /// at the clock between batches of columns: the first batch is planned for most of the time, what
-/// is left is planned again. Of the time, some is for rebuilding tiles against drift.
+/// is left is planned again, unless the policy starts from zero each time. Of the time, some is for
+/// rebuilding tiles against drift. However short the time, at least one column is applied while the
+/// light is not the target.
 ///
 /// Allocates nothing after the first frames. One thread at a time; computes on all cores.
 class FrameUpdater {
@@ -54,16 +58,24 @@ class FrameUpdater {
   UpdateReport update(const CubeLight& target, const FrameBudget& budget);
 
  private:
-  void plan(const CubeLight& target, const Budget& budget);
-  /// Plans and applies one batch; whether it added anything.
-  bool apply_batch(const CubeLight& target, const Budget& budget, UpdateReport& report);
+  void plan(const CubeLight& target, const Budget& budget,
+            std::span<const std::uint32_t> column_bytes);
+  /// Plans and applies one batch; whether it added anything. `column_bytes`: what a budget of bytes
+  /// counts.
+  bool apply_batch(const CubeLight& target, const Budget& budget,
+                   std::span<const std::uint32_t> column_bytes, UpdateReport& report);
   void update_until(const CubeLight& target, double deadline_ms, UpdateReport& report);
-  std::size_t planned_bytes() const;
+  std::size_t band_image_bytes() const;
+  /// What the cost model counts of the plan.
+  std::size_t planned_cost() const;
 
   const Bake& bake_;
   CubeHaar basis_;
   std::unique_ptr<const UpdatePolicy> policy_;
+  bool keeps_nothing_;  // the policy starts from zero each time
   Relighter& relighter_;
+  std::vector<std::uint32_t> column_cost_;  // [columns]
+  std::size_t largest_column_cost_;
   CostModel cost_;
   PlanWorkspace workspace_;
   UpdatePlan plan_;

@@ -21,6 +21,8 @@ Relighter::Relighter(const TransportView& transport, const ReceiverValues& refle
     fresh_.emplace_back(transport.tile_count());
   }
   zero_.assign(bands, true);
+  exact_plan_.bands.reserve(bands);  // the first rebuild may come late
+  exact_plan_.columns.reserve(basis.coefficient_count());
 }
 
 void Relighter::update_tile(const UpdatePlan& plan, std::size_t tile,

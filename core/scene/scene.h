@@ -46,6 +46,9 @@ struct BakeSettings {
   int bounces = 4;        // 0: direct light only
   double psnr_db = 50;    // of the compressed against the uncompressed transport
   std::uint64_t seed = 1;
+  /// Rows to keep as they are, for reports; no scene source says it, and no transport depends on
+  /// it.
+  std::size_t reference_receivers = 0;
 };
 
 /// A scene, read and checked: everything finite, in range, triangles not degenerate.

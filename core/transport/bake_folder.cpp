@@ -53,9 +53,13 @@ Bake::Bake(const std::filesystem::path& folder) : folder_(folder) {
 
 Bake::~Bake() = default;
 
-const TensorFile& Bake::file(const std::string& name) const {
+const TensorFile* Bake::find_file(const std::string& name) const {
   const auto found = files_.find(name);
-  if (found != files_.end()) return found->second;
+  return found == files_.end() ? nullptr : &found->second;
+}
+
+const TensorFile& Bake::file(const std::string& name) const {
+  if (const TensorFile* const found = find_file(name)) return *found;
   throw Error((folder_ / kManifestFile).string() + ": /files", "no " + quote(name), quote(name));
 }
 

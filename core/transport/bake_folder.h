@@ -120,6 +120,8 @@ class Bake {
   const std::vector<BakedEnvironment>& environments() const { return environments_; }
   /// Names and bytes of the files on disk, for inspect.
   std::vector<std::pair<std::string, std::uint64_t>> files() const { return file_sizes_; }
+  /// A file beside those that every bake has; null when this one is without.
+  const TensorFile* find_file(const std::string& name) const;
   /// Hashes every block of every file afresh; throws Error at the first that is wrong.
   void verify() const;
 

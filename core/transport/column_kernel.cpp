@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep; before highway.h
 #include <hwy/highway.h>
 
+#include "core/base/check.h"
 #include "core/transport/column_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -54,65 +55,103 @@ struct Nibble {
   }
 };
 
-/// Where the kernel stands in a run.
-struct Place {
-  const uint16_t* count;
+/// What a unit in a plane adds to each session's channels: delta · factor · step.
+template <size_t kSessions>
+struct PlaneDeltas {
+  float value[kPlanes][kSessions][3];
+};
+
+/// One width's blocks of a run: its planes' sections one after another.
+struct Blocks {
+  size_t first_chroma, second_chroma, count;
   const uint8_t* values;
   const uint16_t* index;
 };
 
-/// held[channel][8] += delta[channel] · values[8] over one section's blocks, for the channels that
-/// a plane adds to. No tail: 8 is a multiple of the lanes.
-template <class Width, size_t kFirstChannel, size_t kChannels>
-HWY_INLINE void add_section(const Vec3f& delta, float* HWY_RESTRICT held, Place& at) {
+/// to[8] += factor · value[8], from lane `i` on.
+HWY_INLINE void add_product(hn::Vec<Floats> factor, hn::Vec<Floats> value, float* to) {
+  const Floats floats;
+  hn::Store(hn::MulAdd(factor, value, hn::Load(floats, to)), floats, to);
+}
+
+/// held[session][channel][8] += delta[session][channel] · values[8] over the luma blocks of one
+/// width. No tail: 8 is a multiple of the lanes.
+template <class Width, size_t kSessions>
+HWY_INLINE void add_luma(const Blocks& blocks, const PlaneDeltas<kSessions>& deltas,
+                         float* const* held) {
   constexpr size_t kBytes = kBlockBytes[static_cast<size_t>(Width::kWidth)];
   const Floats floats;
-  const auto first = hn::Set(floats, delta[kFirstChannel]);
-  const auto second = hn::Set(floats, delta[kFirstChannel + 1]);
-  const auto third = hn::Set(floats, delta[2]);
-  const uint8_t* HWY_RESTRICT values = at.values;
-  const uint16_t* HWY_RESTRICT index = at.index;
-  const uint16_t* const end = index + *at.count;
-  for (; index != end; ++index, values += kBytes) {
-    float* const block = held + *index * kBlockFloats + kFirstChannel * kBlockReceivers;
-    for (size_t i = 0; i < kBlockReceivers; i += hn::Lanes(floats)) {
-      const auto value = Width::load(values, i);
-      const auto add = [&](hn::Vec<Floats> factor, float* to) HWY_ATTR {
-        hn::Store(hn::MulAdd(factor, value, hn::Load(floats, to)), floats, to);
-      };
-      add(first, block + i);
-      add(second, block + kBlockReceivers + i);
-      if (kChannels == 3) add(third, block + 2 * kBlockReceivers + i);
+  hn::Vec<Floats> factor[kSessions][3];
+  for (size_t session = 0; session < kSessions; ++session) {
+    for (size_t channel = 0; channel < 3; ++channel) {
+      factor[session][channel] = hn::Set(floats, deltas.value[0][session][channel]);
     }
   }
-  at = {at.count + 1, values, index};
-}
-
-/// The planes' deltas: per channel, delta · factor · step.
-struct PlaneDeltas {
-  Vec3f plane[kPlanes];
-};
-
-/// One width's three sections. Luma adds to all channels, chroma to red and green, or green and
-/// blue.
-template <class Width>
-HWY_INLINE void add_width(const PlaneDeltas& delta, float* HWY_RESTRICT held, Place& at) {
-  add_section<Width, 0, 3>(delta.plane[0], held, at);
-  add_section<Width, 0, 2>(delta.plane[1], held, at);
-  add_section<Width, 1, 2>(delta.plane[2], held, at);
-}
-
-HWY_INLINE void add_run(const ColumnRun& run, const Vec3f& delta, float step, float* held) {
-  if (run.empty()) return;
-  PlaneDeltas planes;
-  for (size_t plane = 0; plane < kPlanes; ++plane) {
-    planes.plane[plane] = delta * kPlaneFactors[plane] * step;
+  const uint8_t* HWY_RESTRICT values = blocks.values;
+  for (size_t block = 0; block < blocks.first_chroma; ++block, values += kBytes) {
+    const size_t place = blocks.index[block] * kBlockFloats;
+    for (size_t i = 0; i < kBlockReceivers; i += hn::Lanes(floats)) {
+      const auto value = Width::load(values, i);
+      for (size_t session = 0; session < kSessions; ++session) {
+        float* const to = held[session] + place + i;
+        add_product(factor[session][0], value, to);
+        add_product(factor[session][1], value, to + kBlockReceivers);
+        add_product(factor[session][2], value, to + 2 * kBlockReceivers);
+      }
+    }
   }
-  Place at = {run.counts(), run.values(), run.indices()};
-  add_width<Full>(planes, held, at);
-  add_width<Word>(planes, held, at);
-  add_width<Byte>(planes, held, at);
-  add_width<Nibble>(planes, held, at);
+}
+
+/// The same for chroma, which adds to red and green, or green and blue: both planes in one loop,
+/// since sections are so short that each loop's mispredicted end counts.
+template <class Width, size_t kSessions>
+HWY_INLINE void add_chroma(const Blocks& blocks, const PlaneDeltas<kSessions>& deltas,
+                           float* const* held) {
+  constexpr size_t kBytes = kBlockBytes[static_cast<size_t>(Width::kWidth)];
+  const Floats floats;
+  const uint8_t* HWY_RESTRICT values = blocks.values + blocks.first_chroma * kBytes;
+  for (size_t block = blocks.first_chroma; block < blocks.count; ++block, values += kBytes) {
+    const size_t channel = block >= blocks.second_chroma;
+    const size_t place = blocks.index[block] * kBlockFloats + channel * kBlockReceivers;
+    for (size_t i = 0; i < kBlockReceivers; i += hn::Lanes(floats)) {
+      const auto value = Width::load(values, i);
+      for (size_t session = 0; session < kSessions; ++session) {
+        const float* const delta = deltas.value[1 + channel][session] + channel;
+        float* const to = held[session] + place + i;
+        add_product(hn::Set(floats, delta[0]), value, to);
+        add_product(hn::Set(floats, delta[1]), value, to + kBlockReceivers);
+      }
+    }
+  }
+}
+
+template <class Width, size_t kSessions>
+HWY_INLINE void add_blocks(const Blocks& blocks, const PlaneDeltas<kSessions>& deltas,
+                           float* const* held) {
+  add_luma<Width, kSessions>(blocks, deltas, held);
+  add_chroma<Width, kSessions>(blocks, deltas, held);
+}
+
+template <size_t kSessions>
+HWY_INLINE void add_run(const ColumnRun& run, const PlaneDeltas<kSessions>& deltas,
+                        float* const* held) {
+  Blocks blocks[kWidths];
+  const uint16_t* count = run.counts();
+  const uint8_t* values = run.values();
+  for (size_t width = 0; width < kWidths; ++width, count += kPlanes) {
+    const size_t luma = count[0], with_first = luma + count[1], all = with_first + count[2];
+    blocks[width] = {luma, with_first, all, values, nullptr};
+    values += all * kBlockBytes[width];
+  }
+  const auto* index = reinterpret_cast<const uint16_t*>(values);
+  for (Blocks& of_width : blocks) {
+    of_width.index = index;
+    index += of_width.count;
+  }
+  add_blocks<Full, kSessions>(blocks[0], deltas, held);
+  add_blocks<Word, kSessions>(blocks[1], deltas, held);
+  add_blocks<Byte, kSessions>(blocks[2], deltas, held);
+  add_blocks<Nibble, kSessions>(blocks[3], deltas, held);
 }
 
 /// Runs are short and lie far apart, where the hardware's prefetcher cannot follow: first the
@@ -134,21 +173,79 @@ HWY_INLINE void prefetch_run(const TransportView& transport, size_t tile, size_t
   for (size_t at = 0; at < size; at += kCacheLine) hwy::Prefetch(bytes + at);
 }
 
-void add_columns_lanes(const TransportView& transport, size_t tile, const ColumnDelta* columns,
-                       size_t count, float* HWY_RESTRICT held) {
+/// Columns with a delta for each of the sessions; `Columns` says which and what.
+template <size_t kSessions, class Columns>
+HWY_INLINE void add_all(const TransportView& transport, size_t tile, const Columns& columns,
+                        size_t count, float* const* held) {
   for (size_t i = 0; i < HWY_MIN(count, kOffsetsAhead); ++i) {
-    prefetch_offsets(transport, tile, columns[i].column);
+    prefetch_offsets(transport, tile, columns.column(i));
   }
   for (size_t i = 0; i < HWY_MIN(count, kRunAhead); ++i) {
-    prefetch_run(transport, tile, columns[i].column);
+    prefetch_run(transport, tile, columns.column(i));
   }
+  PlaneDeltas<kSessions> deltas;
   for (size_t i = 0; i < count; ++i) {
     if (i + kOffsetsAhead < count) {
-      prefetch_offsets(transport, tile, columns[i + kOffsetsAhead].column);
+      prefetch_offsets(transport, tile, columns.column(i + kOffsetsAhead));
     }
-    if (i + kRunAhead < count) prefetch_run(transport, tile, columns[i + kRunAhead].column);
-    const ColumnDelta& column = columns[i];
-    add_run(transport.run(tile, column.column), column.delta, transport.step(column.column), held);
+    if (i + kRunAhead < count) prefetch_run(transport, tile, columns.column(i + kRunAhead));
+    const size_t column = columns.column(i);
+    const ColumnRun run = transport.run(tile, column);
+    if (run.empty()) continue;
+    for (size_t plane = 0; plane < kPlanes; ++plane) {
+      for (size_t session = 0; session < kSessions; ++session) {
+        const Vec3f delta =
+            columns.delta(i, session) * kPlaneFactors[plane] * transport.step(column);
+        for (int c = 0; c < 3; ++c) deltas.value[plane][session][c] = delta[c];
+      }
+    }
+    add_run<kSessions>(run, deltas, held);
+  }
+}
+
+void add_columns_lanes(const TransportView& transport, size_t tile, const ColumnDelta* columns,
+                       size_t count, float* held) {
+  struct One {
+    const ColumnDelta* columns;
+    size_t column(size_t i) const { return columns[i].column; }
+    const Vec3f& delta(size_t i, size_t) const { return columns[i].delta; }
+  };
+  add_all<1>(transport, tile, One{columns}, count, &held);
+}
+
+/// The first kSessions of `sessions`, whose deltas are [column][session].
+template <size_t kSessions>
+HWY_NOINLINE void add_columns_to(const TransportView& transport, size_t tile,
+                                 const uint32_t* columns, size_t count, const Vec3f* deltas,
+                                 size_t sessions, float* const* held) {
+  struct Many {
+    const uint32_t* columns;
+    const Vec3f* deltas;
+    size_t sessions;
+    size_t column(size_t i) const { return columns[i]; }
+    const Vec3f& delta(size_t i, size_t session) const { return deltas[i * sessions + session]; }
+  };
+  add_all<kSessions>(transport, tile, Many{columns, deltas, sessions}, count, held);
+}
+
+/// So many columns of a tile stay in the second-level cache, even where all blocks are stored.
+constexpr size_t kColumnsAtOnce = 64;
+
+/// Two sessions at a time: their tiles just about stay in the first-level cache. With more, they
+/// have to come from the second for each block, which costs more than decoding it again.
+void add_columns_to_all_lanes(const TransportView& transport, size_t tile,
+                              const SessionDeltas& columns, float* const* held, size_t sessions) {
+  for (size_t i = 0; i < columns.columns.size(); i += kColumnsAtOnce) {
+    const size_t count = HWY_MIN(kColumnsAtOnce, columns.columns.size() - i);
+    const uint32_t* const ids = columns.columns.data() + i;
+    const Vec3f* const deltas = columns.deltas.data() + i * sessions;
+    size_t s = 0;
+    for (; s + 2 <= sessions; s += 2) {
+      add_columns_to<2>(transport, tile, ids, count, deltas + s, sessions, held + s);
+    }
+    if (s < sessions) {
+      add_columns_to<1>(transport, tile, ids, count, deltas + s, sessions, held + s);
+    }
   }
 }
 
@@ -162,12 +259,20 @@ HWY_AFTER_NAMESPACE();
 namespace rimlight {
 
 HWY_EXPORT(add_columns_lanes);
+HWY_EXPORT(add_columns_to_all_lanes);
 HWY_EXPORT(target_name);
 
 void add_columns(const TransportView& transport, std::size_t tile,
                  std::span<const ColumnDelta> columns, float* held) noexcept {
   HWY_DYNAMIC_DISPATCH(add_columns_lanes)
   (transport, tile, columns.data(), columns.size(), held);
+}
+
+void add_columns_to_all(const TransportView& transport, std::size_t tile,
+                        const SessionDeltas& columns, std::span<float* const> held) {
+  RIMLIGHT_CHECK_EQ(columns.deltas.size(), columns.columns.size() * held.size());
+  HWY_DYNAMIC_DISPATCH(add_columns_to_all_lanes)
+  (transport, tile, columns, held.data(), held.size());
 }
 
 const char* column_kernel_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }

@@ -189,6 +189,32 @@ TEST_F(Program, LoadPlaysOnlySequencesThatEditsCanShow) {
   EXPECT_EQ(load({"--sequence", "rotation", "--script", "x.json"}).status, 2);
 }
 
+TEST_F(Program, ReportsErrorAgainstTimeToFilesAndOutput) {
+  write(folder_ / "scene.json", small_scene(64));
+  ASSERT_EQ(
+      run_program({"bake", path("scene.json"), "-o", path("a.bake"), "--reference=640"}).status, 0);
+  const ProgramResult result =
+      run_program({"report", "error-vs-time", path("a.bake"), "--frames", "3", "--policy", "nwa@30",
+                   "--policy", "benefit@bytes:nwa@30", "-o", path("report"), "--json"});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  const json report = json::parse(result.output);
+  EXPECT_EQ(report.at("experiment"), "error-vs-time");
+  EXPECT_EQ(report.at("reference"), "uncompressed");
+  EXPECT_GT(report.at("receivers").get<int>(), 300);
+  EXPECT_EQ(report.at("rows").size(), 2u * 3);
+  EXPECT_EQ(report.at("rows")[0].at("light"), "studio");
+  EXPECT_EQ(report, json::parse(read_file(folder_ / "report" / "error-vs-time.json", kMostBytes)));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "report" / "image-error-studio.gp"));
+
+  EXPECT_EQ(run_program({"report"}).status, 2);
+  EXPECT_EQ(run_program({"report", "error-vs-time"}).status, 2);
+  const ProgramResult bad = run_program(
+      {"report", "error-vs-time", path("a.bake"), "--policy", "paint@30", "-o", path("none")});
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_THAT(bad.errors, HasSubstr("--policy: found \"paint"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "none"));
+}
+
 TEST_F(Program, ADamagedBakeIsRefusedByEveryCommand) {
   bake_scene();
   const auto file = folder_ / "a.bake" / "transport.safetensors";

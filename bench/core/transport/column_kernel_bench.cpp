@@ -1,13 +1,14 @@
-// Columns of a synthetic transport of 262,144 receivers × 24,576 columns × RGB, with 1 % or 5 % of
-// its blocks, added to B: 30 columns chosen afresh each time, and all of them. Beside the time:
+// Columns of a synthetic transport of 262,144 receivers × 24,576 columns × RGB, with 1 %, 5 % or
+// 20 % of its luma blocks and a tenth of that of each chroma's, added to B: 30 columns chosen
+// afresh each time, and all of them; and all of them for several sessions. Beside the time:
 //
-//   of_read_limit   median time ÷ (bytes of the matrix that must move ÷ read bandwidth), the
-//   bandwidth
-//                   measured in this run on as many threads. B itself is not counted: it can stay
-//                   in a cache
-//   of_eigen        median time of Eigen's CSC `y += d * T.col(j)` on one thread ÷ this time, on
-//   the same
-//                   share of non-zeros, measured in this run (30 columns only)
+//   ns_block, ns_number  median time ÷ stored blocks (and sessions), and ÷ their 8 numbers each
+//   of_read_limit        median time ÷ (bytes of the matrix that must move ÷ read bandwidth), the
+//                        bandwidth measured in this run on as many threads. B itself is not
+//                        counted: it can stay in a cache
+//   of_eigen             median time of Eigen's CSC `y += d * T.col(j)` on one thread ÷ this time,
+//                        on the same share of non-zeros, measured in this run (30 columns only)
+//   of_single            median time of a call for each session ÷ this time, in turn in this run
 #include <benchmark/benchmark.h>
 
 #include <Eigen/SparseCore>
@@ -159,21 +160,38 @@ std::vector<ColumnDelta> random_columns(Random& random, std::size_t count) {
   return columns;
 }
 
-double matrix_bytes(const TransportView& view, const std::vector<ColumnDelta>& columns) {
-  std::size_t bytes = kTiles * columns.size() * sizeof(std::uint32_t);
+/// What adding columns reads.
+struct Moved {
+  double bytes = 0, blocks = 0;
+};
+Moved moved_by(const TransportView& view, const std::vector<ColumnDelta>& columns) {
+  std::size_t bytes = kTiles * columns.size() * sizeof(std::uint32_t), blocks = 0;
   for (std::size_t tile = 0; tile < kTiles; ++tile) {
-    for (const ColumnDelta& c : columns) bytes += view.run(tile, c.column).words().size_bytes();
+    for (const ColumnDelta& c : columns) {
+      const ColumnRun run = view.run(tile, c.column);
+      bytes += run.words().size_bytes();
+      if (!run.empty()) blocks += run.block_count();
+    }
   }
-  return static_cast<double>(bytes);
+  return {static_cast<double>(bytes), static_cast<double>(blocks)};
+}
+
+void count_times(benchmark::State& state, double seconds, const Moved& moved, double additions) {
+  state.SetLabel(column_kernel_target());
+  state.counters["of_read_limit"] = seconds / (moved.bytes / read_bandwidth());
+  state.counters["median_ms"] = 1e3 * seconds;
+  state.counters["ns_block"] = 1e9 * seconds / (additions * moved.blocks);
+  state.counters["ns_number"] = 1e9 * seconds / (additions * moved.blocks * kBlockReceivers);
 }
 
 void add(benchmark::State& state, std::size_t count) {
-  const double density = static_cast<double>(state.range(0)) / 100;
-  set_thread_count(static_cast<int>(state.range(1)));
+  const double density = static_cast<double>(state.range(1)) / 100;
+  set_thread_count(static_cast<int>(state.range(0)));
   const TransportView& view = transport(density);
   ReceiverValues held(kTiles);
   Random random(3);
-  std::vector<double> seconds, bytes;
+  std::vector<double> seconds;
+  Moved moved;
   for (auto _ : state) {
     const auto columns = random_columns(random, count);
     const auto start = Clock::now();
@@ -182,25 +200,63 @@ void add(benchmark::State& state, std::size_t count) {
     const double once = seconds_since(start);
     state.SetIterationTime(once);
     seconds.push_back(once);
-    bytes.push_back(matrix_bytes(view, columns));
+    moved = moved_by(view, columns);  // nearly the same each time
   }
-  state.SetLabel(column_kernel_target());
-  state.counters["of_read_limit"] = median(seconds) / (median(bytes) / read_bandwidth());
-  state.counters["median_ms"] = 1e3 * median(seconds);
+  count_times(state, median(seconds), moved, 1);
   if (count == kFewColumns) {
     state.counters["of_eigen"] = eigen_seconds(density) / median(seconds);
   }
   set_thread_count(0);
 }
 
+/// All columns for several sessions in one call a tile, and in a call for each.
+void add_to_all(benchmark::State& state) {
+  const auto sessions = static_cast<std::size_t>(state.range(1));
+  set_thread_count(static_cast<int>(state.range(0)));
+  const TransportView& view = transport(static_cast<double>(state.range(2)) / 100);
+  Random random(3);
+  const auto columns = random_columns(random, kColumns);
+  std::vector<std::uint32_t> ids;
+  for (const ColumnDelta& column : columns) ids.push_back(column.column);
+  const std::vector<Vec3f> deltas(sessions * kColumns, columns[0].delta);
+  std::vector<ReceiverValues> held(sessions, ReceiverValues(kTiles));
+  std::vector<double> together, single;
+  for (auto _ : state) {
+    const auto start = Clock::now();
+    parallel_for(kTiles, [&](std::size_t tile) {
+      std::vector<float*> tiles;
+      for (ReceiverValues& of_session : held) tiles.push_back(of_session.tile(tile));
+      add_columns_to_all(view, tile, {ids, deltas}, tiles);
+    });
+    together.push_back(seconds_since(start));
+    state.SetIterationTime(together.back());
+    const auto middle = Clock::now();
+    for (ReceiverValues& of_session : held) {
+      parallel_for(kTiles, [&](std::size_t tile) {
+        add_columns(view, tile, columns, of_session.tile(tile));
+      });
+    }
+    single.push_back(seconds_since(middle));
+  }
+  count_times(state, median(together), moved_by(view, columns), static_cast<double>(sessions));
+  state.counters["of_single"] = median(single) / median(together);
+  set_thread_count(0);
+}
+
+// The density last: a transport is made when it changes.
 BENCHMARK_CAPTURE(add, 30_columns, kFewColumns)
-    ->ArgNames({"percent", "threads"})
-    ->ArgsProduct({{1, 5}, {1, 2}})
+    ->ArgNames({"threads", "percent"})
+    ->ArgsProduct({{1, 2}, {1, 5}})
     ->Unit(benchmark::kMillisecond)
     ->UseManualTime();
 BENCHMARK_CAPTURE(add, all_columns, kColumns)
-    ->ArgNames({"percent", "threads"})
-    ->ArgsProduct({{1, 5}, {1, 2}})
+    ->ArgNames({"threads", "percent"})
+    ->ArgsProduct({{1, 2}, {1, 5, 20}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime();
+BENCHMARK(add_to_all)
+    ->ArgNames({"threads", "sessions", "percent"})
+    ->ArgsProduct({{1, 2}, {2, 8}, {1, 5, 20}})
     ->Unit(benchmark::kMillisecond)
     ->UseManualTime();
 

@@ -188,7 +188,7 @@ TEST(RayScene, RaysLaidOutForTheSkyHaveTheSameAnswersCoherentOrNot) {
   EXPECT_GT(std::count(expected.begin(), expected.end(), 1), 200);
   const auto sky = std::make_unique<SkyRays>();
   for (const Coherence coherence : {Coherence::low, Coherence::high}) {
-    for (const std::size_t count : {1024, 1000, 17, 16, 1, 0}) {
+    for (const std::size_t count : {1024u, 1000u, 17u, 16u, 1u, 0u}) {
       const std::size_t begin = batch.size() - count;  // other rays each time, in the same place
       lay_out(batch, begin, *sky);
       const auto origins = sky->origin;

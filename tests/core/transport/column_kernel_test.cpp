@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/aligned_vector.h"
+#include "core/base/check.h"
 #include "core/math/random.h"
 #include "tests/support/random_transport.h"
 #include "tests/support/reference/columns.h"
@@ -139,6 +140,75 @@ TEST(ColumnKernel, EveryNumberOfEveryWidthIsAddedExactly) {
       }
     });
   }
+}
+
+/// Several sessions' deltas for some of the columns; some are zero.
+struct ManyDeltas {
+  std::vector<std::uint32_t> columns;
+  std::vector<Vec3f> deltas;  // [column][session]
+
+  ManyDeltas(std::size_t column_count, std::size_t sessions) {
+    Random random(column_count, sessions);
+    for (std::uint32_t column = 0; column < column_count; ++column) {
+      if (random.uniform() < 0.3) continue;
+      columns.push_back(column);
+      for (std::size_t s = 0; s < sessions; ++s) {
+        const auto value = [&] { return static_cast<float>(random.uniform(-2, 2)); };
+        deltas.push_back(random.uniform() < 0.2 ? Vec3f{} : Vec3f{value(), value(), value()});
+      }
+    }
+  }
+  std::vector<ColumnDelta> of_session(std::size_t session) const {
+    const std::size_t sessions = deltas.size() / columns.size();
+    std::vector<ColumnDelta> result;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      result.push_back({columns[i], deltas[i * sessions + session]});
+    }
+    return result;
+  }
+};
+
+TEST(ColumnKernel, SeveralSessionsGetTheBitsThatEachWouldGetAlone) {
+  for (const double density : {0.01, 0.3}) {
+    const Transport transport =
+        random_transport({.tile_count = 2, .column_count = 200, .density = density});
+    for (std::size_t sessions = 1; sessions <= 9; ++sessions) {
+      const ManyDeltas many(200, sessions);
+      ASSERT_GT(many.columns.size(), 130u) << "more than are added at once";
+      for_each_target([&] {
+        std::vector<AlignedVector<float>> held, alone;
+        std::vector<float*> tiles;
+        for (std::size_t s = 0; s < sessions; ++s) {
+          held.push_back(random_held(s));
+          alone.push_back(random_held(s));
+          add_columns(transport.view(), 1, many.of_session(s), alone.back().data());
+        }
+        for (auto& tile : held) tiles.push_back(tile.data());
+        add_columns_to_all(transport.view(), 1, {many.columns, many.deltas}, tiles);
+        for (std::size_t s = 0; s < sessions; ++s) {
+          ASSERT_TRUE(std::ranges::equal(held[s], alone[s])) << s << " of " << sessions;
+          ASSERT_NE(held[s], random_held(s)) << "nothing was added";
+        }
+      });
+    }
+  }
+}
+
+TEST(ColumnKernel, RefusesDeltasThatAreNotOneForEachColumnAndSession) {
+  const Transport transport = random_transport({});
+  AlignedVector<float> held(kTileFloats), other(kTileFloats);
+  const std::vector<float*> tiles = {held.data(), other.data()};
+  const std::vector<std::uint32_t> columns = {0, 1};
+  const std::vector<Vec3f> deltas(5, Vec3f{1, 1, 1});
+  for (const std::size_t count : {0u, 2u, 3u, 5u}) {
+    const SessionDeltas wrong = {columns, std::span(deltas).first(count)};
+    EXPECT_THROW(add_columns_to_all(transport.view(), 0, wrong, tiles), CheckFailure);
+  }
+  EXPECT_EQ(held, AlignedVector<float>(kTileFloats));
+  add_columns_to_all(transport.view(), 0, {columns, std::span(deltas).first(4)}, tiles);
+  EXPECT_NE(held, AlignedVector<float>(kTileFloats));
+  EXPECT_EQ(held, other);
+  add_columns_to_all(transport.view(), 0, {}, {});  // nothing for no one
 }
 
 TEST(ColumnKernel, NoColumnsChangeNothing) {

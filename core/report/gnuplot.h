@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace rimlight {
+
+/// Runs gnuplot on a script in the script's folder, and waits for it. False when there is none.
+/// Throws Error when it fails.
+[[nodiscard]] bool run_gnuplot(const std::filesystem::path& script);
+
+/// A gnuplot script that draws one picture, with its data in it.
+class GnuplotScript {
+ public:
+  /// `picture` is the .png file that it writes, beside itself.
+  explicit GnuplotScript(const std::string& picture, int width = 1000, int height = 650);
+
+  /// A line of gnuplot.
+  void add(const std::string& line);
+  /// A block of data, by its name "$NAME" in later lines: rows of numbers.
+  void add_data(const std::string& name, const std::vector<std::vector<double>>& rows);
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+/// In double quotes, as gnuplot reads them: nothing in it is a command or an enhanced-text mark.
+std::string gnuplot_quote(const std::string& text);
+
+}  // namespace rimlight

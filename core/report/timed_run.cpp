@@ -1,0 +1,239 @@
+#include "core/report/timed_run.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/base/parallel.h"
+#include "core/image/codec.h"
+#include "core/image/metrics.h"
+#include "core/relight/display.h"
+#include "core/relight/error_estimate.h"
+#include "core/relight/policy.h"
+#include "core/report/light_study.h"
+
+namespace rimlight {
+namespace {
+
+constexpr int kJpegQuality = 80;
+constexpr std::size_t kReferencesAtOnce = 8;
+
+class Stopwatch {
+ public:
+  double lap_ms() {
+    const auto now = Clock::now();
+    return std::chrono::duration<double, std::milli>(now - std::exchange(start_, now)).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+/// What something takes, from the last few times: their median, since one that was interrupted
+/// tells nothing of the next.
+class RecentTimes {
+ public:
+  void add(double ms) {
+    last_[next_++ % last_.size()] = ms;
+    count_ = std::min(count_ + 1, last_.size());
+  }
+  double typical_ms() const {
+    auto known = last_;
+    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(count_ / 2);
+    std::nth_element(known.begin(), middle, known.begin() + static_cast<std::ptrdiff_t>(count_));
+    return *middle;
+  }
+
+ private:
+  std::array<double, 5> last_{};
+  std::size_t next_ = 0, count_ = 0;
+};
+
+/// Coefficients of texels; these are scratch then.
+void transform(const CubeHaar& haar, CubeLight& texels, CubeLight& coefficients) {
+  parallel_for(3, [&](std::size_t c) {
+    haar.forward(texels.channel(static_cast<int>(c)), coefficients.channel(static_cast<int>(c)));
+  });
+}
+
+/// One policy at work on one sequence.
+class Player {
+ public:
+  Player(const Bake& bake, const MeasuredReceivers& receivers, const TimedPolicy& policy,
+         LitSequence& sequence)
+      : bake_(bake),
+        receivers_(receivers),
+        policy_(policy),
+        sequence_(sequence),
+        haar_(bake.manifest().cube_size),
+        relighter_(bake.transport(), bake.reflectance(), haar_),
+        updater_(bake, haar_, policy.policy, relighter_),
+        display_(bake.manifest().pixels, bake.manifest().camera, bake.coverage()),
+        estimator_(bake.sketch()),
+        target_(haar_.size()) {
+    RIMLIGHT_CHECK(relighter_.apply_exact(sequence.frames.front().target, {}));
+    // What displaying and encoding take is known before the first deadline.
+    FrameRow ignored;
+    show(0, ignored);
+  }
+
+  FrameRow play(int index, std::vector<std::uint32_t>& chosen) {
+    FrameRow row;
+    row.light = sequence_.light;
+    row.run = policy_.name();
+    row.policy = policy_name(policy_.policy);
+    row.budget = budget_name(policy_.budget);
+    row.frame = index;
+    row.moving = sequence_.frames[static_cast<std::size_t>(index)].moving;
+    still_frames_ = row.moving ? 0 : still_frames_ + 1;
+    row.frames_since_edit = index == 0 ? still_frames_ = 0 : still_frames_;
+    const CubeLight before = relighter_.held();
+    move(index, row);
+    show(index, row);
+    find_chosen(before, row, chosen);
+    measure(row);
+    return row;
+  }
+
+ private:
+  void move(int index, FrameRow& row) {
+    Stopwatch watch;
+    texels_ = sequence_.player.at(index).light;
+    transform(haar_, texels_, target_);
+    row.ms.light = watch.lap_ms();
+    FrameBudget budget = policy_.budget;
+    if (budget.unit == FrameBudget::Unit::milliseconds) {
+      budget.amount = std::max(0.0, budget.amount - row.ms.light - showing_.typical_ms());
+    }
+    const UpdateReport update = updater_.update(target_, budget);
+    row.ms.plan = update.plan_ms;
+    row.ms.apply = std::max(0.0, watch.lap_ms() - update.plan_ms);
+    row.columns = update.columns;
+    row.reset_bands = update.reset_bands;
+  }
+
+  void show(int index, FrameRow& row) {
+    std::optional<BackgroundMap> own;
+    const BackgroundMap* map = sequence_.background.get();
+    Quaternion rotation;
+    if (map == nullptr) {
+      map = &own.emplace(sequence_.player.at(index).light);
+    } else {
+      rotation = *sequence_.player.sequence().rotation_at(index);
+    }
+    Stopwatch watch;
+    image_norm_ = display_.show(relighter_, {*map, rotation}, exposure(), picture_);
+    row.ms.display = watch.lap_ms();
+    encoder_.encode(picture_, kJpegQuality, jpeg_);
+    row.ms.encode = watch.lap_ms();
+    showing_.add(row.ms.display + row.ms.encode);
+  }
+
+  float exposure() const { return static_cast<float>(sequence_.frames.front().exposure); }
+
+  /// Columns that the update wrote: those whose held value moved, or that a reset band now has.
+  void find_chosen(const CubeLight& before, FrameRow& row, std::vector<std::uint32_t>& chosen) {
+    row.columns_of_band.resize(static_cast<std::size_t>(haar_.band_count()));
+    for (int band = 0; band < haar_.band_count(); ++band) {
+      const bool reset = (row.reset_bands >> band & 1) != 0;
+      for (std::size_t i = haar_.band_begin(band); i < haar_.band_begin(band + 1); ++i) {
+        const Vec3f now = relighter_.held().at(i);
+        if (now == (reset ? Vec3f{} : before.at(i))) continue;
+        chosen.push_back(static_cast<std::uint32_t>(i));
+        ++row.columns_of_band[static_cast<std::size_t>(band)];
+        row.bytes += bake_.column_bytes()[i];
+      }
+    }
+  }
+
+  void measure(FrameRow& row) {
+    const ReferenceFrame& frame = sequence_.frames[static_cast<std::size_t>(row.frame)];
+    receivers_.gather(relighter_, image_);
+    row.relative_l2 = rimlight::relative_l2(image_, frame.truth());
+    row.psnr_db = display_psnr(image_, frame.truth(), frame.exposure);
+    row.time_l2 = rimlight::relative_l2(image_, frame.exact);
+    row.psnr_time_db = display_psnr(image_, frame.exact, frame.exposure);
+    row.compression_l2 = frame.compression_l2;
+    const double size = weighted_size(haar_, frame.target);
+    if (size > 0) {
+      row.lighting_error = weighted_distance(haar_, frame.target, relighter_.held()) / size;
+    }
+    if (image_norm_ > 0) {
+      row.estimate = estimator_.estimate(frame.target, relighter_.held()).error / image_norm_;
+    }
+    const GhostEnergy ghosts = find_ghosts(haar_, frame.target, relighter_.held());
+    row.ghost = ghosts.held;
+    row.ghost_of_target = ghosts.target;
+  }
+
+  const Bake& bake_;
+  const MeasuredReceivers& receivers_;
+  const TimedPolicy& policy_;
+  LitSequence& sequence_;
+  CubeHaar haar_;
+  Relighter relighter_;
+  FrameUpdater updater_;
+  Display display_;
+  ErrorEstimator estimator_;
+  JpegEncoder encoder_;
+  CubeLight texels_, target_;
+  Rgb8Image picture_;
+  std::vector<std::uint8_t> jpeg_;
+  std::vector<Vec3f> image_;
+  RecentTimes showing_;
+  double image_norm_ = 0;
+  int still_frames_ = 0;
+};
+
+/// Fills what is known of a frame once its images are.
+void finish(ReferenceFrame& frame) {
+  frame.exposure = auto_exposure_scale(frame.truth());
+  frame.compression_l2 = relative_l2(frame.exact, frame.truth());
+}
+
+}  // namespace
+
+void find_references(const Bake& bake, const MeasuredReceivers& receivers, int count,
+                     const std::function<void(double)>& progress, LitSequence& sequence) {
+  const CubeHaar haar(bake.manifest().cube_size);
+  Relighter relighter(bake.transport(), bake.reflectance(), haar);
+  CubeLight texels;
+  std::vector<CubeLight> batch;
+  for (int index = 0; index < count; ++index) {
+    ReferenceFrame& frame = sequence.frames.emplace_back();
+    const LightFrame& lit = sequence.player.at(index);
+    frame.moving = lit.moving;
+    texels = lit.light;
+    frame.target = CubeLight(haar.size());
+    transform(haar, texels, frame.target);
+    RIMLIGHT_CHECK(relighter.apply_exact(frame.target, {}));
+    receivers.gather(relighter, frame.exact);
+    batch.push_back(frame.target);
+    if (batch.size() < kReferencesAtOnce && index + 1 < count) continue;
+    if (receivers.has_rows()) {
+      auto images = receivers.reference(batch);
+      for (std::size_t i = 0; i < batch.size(); ++i) {
+        sequence.frames[sequence.frames.size() - batch.size() + i].reference = std::move(images[i]);
+      }
+    }
+    batch.clear();
+    progress(static_cast<double>(index + 1) / count);
+  }
+  for (ReferenceFrame& frame : sequence.frames) finish(frame);
+}
+
+TimedRun play(const Bake& bake, const MeasuredReceivers& receivers, const TimedPolicy& policy,
+              LitSequence& sequence) {
+  Player player(bake, receivers, policy, sequence);
+  TimedRun run;
+  run.chosen.resize(sequence.frames.size());
+  for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
+    run.rows.push_back(player.play(static_cast<int>(i), run.chosen[i]));
+  }
+  return run;
+}
+
+}  // namespace rimlight
