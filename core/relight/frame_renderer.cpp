@@ -58,7 +58,7 @@ struct FrameRenderer::State {
   CubeLight texels;                     // of the rotated light; scratch of its transform
   CubeLight target;
   FrameUpdater updater;
-  double display_ms = 0;       // of the last frame: what a deadline has to leave
+  double rest_ms = 0;          // of display and estimate, lately: what a deadline has to leave
   int frames_to_estimate = 0;  // until the error is estimated again
   ErrorEstimate estimated;     // when it was
 
@@ -109,7 +109,7 @@ struct FrameRenderer::State {
   FrameBudget update_budget(double passed_ms) const {
     FrameBudget budget = settings.budget;
     if (budget.unit == FrameBudget::Unit::milliseconds) {
-      budget.amount = std::max(0.0, budget.amount - passed_ms - display_ms);
+      budget.amount = std::max(0.0, budget.amount - passed_ms - rest_ms);
     }
     return budget;
   }
@@ -143,12 +143,14 @@ struct FrameRenderer::State {
   /// Makes pixels, and the estimate that the report says.
   void show(const DesignState& state, const Quaternion& rotation, Rgb8Image& frame,
             FrameReport& report) {
+    constexpr double kNewest = 0.3;
     Stopwatch watch;
     const double norm =
         display.show(relighter, {light(state.environment).prepared->background, rotation},
                      exposure_of(state), frame);
-    report.display_ms = display_ms = watch.lap_ms();
+    report.display_ms = watch.lap_ms();
     estimate_error(norm, report);
+    rest_ms += kNewest * (report.display_ms + report.estimate_ms - rest_ms);
   }
 
   /// The exact image of a state in the relighter; false when abandoned.
