@@ -28,6 +28,11 @@ const CubeHaar kHaar(kSize);
 const std::size_t kColumns = kHaar.coefficient_count();
 using Matrix = Eigen::MatrixXd;
 
+/// One channel of all columns: [receiver][column].
+Matrix zeros() {
+  return Matrix::Zero(static_cast<Eigen::Index>(kReceivers), static_cast<Eigen::Index>(kColumns));
+}
+
 /// A transport M, what is stored of it, and its sketch.
 class Case {
  public:
@@ -87,7 +92,7 @@ class Case {
   };
 
   void fill_stored(std::array<Channel, 3>& channels) {
-    for (Channel& channel : channels) channel.stored = Matrix::Zero(kReceivers, kColumns);
+    for (Channel& channel : channels) channel.stored = zeros();
     const std::vector<float> zero(kTileFloats);
     for (std::size_t j = 0; j < kColumns; ++j) {
       const std::vector<ColumnDelta> one = {{static_cast<std::uint32_t>(j), {1, 1, 1}}};
@@ -109,7 +114,7 @@ class Case {
     for (const Channel& channel : channels) square += channel.stored.squaredNorm();
     const double size = error * std::sqrt(square / static_cast<double>(3 * kReceivers * kColumns));
     for (Channel& channel : channels) {
-      channel.error = Matrix::Zero(kReceivers, kColumns);
+      channel.error = zeros();
       for (std::size_t j = 0; j < kColumns; ++j) {
         const double of_column = size * random.uniform(0, 2);
         for (std::size_t r = 0; r < kReceivers; ++r) {
