@@ -36,6 +36,10 @@ constexpr int kMostAttempts = 4;
 /// Sketch sums count in this part of a step: finer than what storing rounds to.
 constexpr float kSumsPerStep = 16;
 
+/// Sketch sums are many megabytes: kept no more often than this, so that resuming loses about as
+/// much work at most.
+constexpr auto kKeepSumsEvery = std::chrono::seconds(5);
+
 /// The reflectance of a tile's group in lanes: [3][64].
 std::array<float, kGroupFloats> reflectance_of(const TileCheck& check, std::size_t first) {
   std::array<float, kGroupFloats> result;
@@ -116,6 +120,7 @@ class TransportBake {
 
   void make_tiles(const TileStore& store, const StorageStep& storage, SketchSums& sums) {
     const std::size_t summed = store.load_sums(sums);
+    Clock::time_point kept;  // long ago
     for (std::size_t tile = 0; tile < store.shape().tiles; ++tile) {
       const bool found = tile < summed && store.has(tile);
       if (found) {
@@ -123,7 +128,11 @@ class TransportBake {
       } else {
         make_tile(store, tile, storage, tile < summed ? nullptr : &sums);
       }
-      if (tile >= summed) store.save_sums(tile + 1, sums);
+      const bool last = tile + 1 == store.shape().tiles;
+      if (tile >= summed && (last || Clock::now() - kept > kKeepSumsEvery)) {
+        store.save_sums(tile + 1, sums);
+        kept = Clock::now();
+      }
       report(request_.stage.c_str(),
              static_cast<double>(tile + 1) / static_cast<double>(store.shape().tiles), found);
     }

@@ -38,17 +38,17 @@ struct BakeRequest {
   nlohmann::json measured = nlohmann::json::object();  // and what was measured before
   double psnr_db = 50;
   std::uint64_t seed = 1;
-  std::size_t reference_receivers = 0;    // of which rows are kept as they are; 0: none
-  std::uint64_t fingerprint = 0;  // of all that the source's rows depend on
-  std::string stage = "tracing";  // what making rows is called
+  std::size_t reference_receivers = 0;  // of which rows are kept as they are; 0: none
+  std::uint64_t fingerprint = 0;        // of all that the source's rows depend on
+  std::string stage = "tracing";        // what making rows is called
 };
 
 /// Bakes a source's transport to `folder` (NAME.bake). Uses all cores; memory is bounded by a group
 /// of dense rows a core, one tile of what is kept, and the sketch. An interrupted bake of the same
-/// fingerprint resumes at the last finished tile of 64×64 pixels; the bytes do not depend on
-/// threads or interruptions. The compression is chosen so that every check light keeps psnr_db
-/// against the uncompressed transport. Throws Error when the source has no receivers, or when the
-/// folder cannot be written.
+/// fingerprint resumes at a tile of 64×64 pixels finished a few seconds before; the bytes do not
+/// depend on threads or interruptions. The compression is chosen so that every check light keeps
+/// psnr_db against the uncompressed transport. Throws Error when the source has no receivers, or
+/// when the folder cannot be written.
 BakeSummary bake_transport(const GroupSource& source, const BakeRequest& request,
                            const std::filesystem::path& folder,
                            const std::function<void(const BakeProgress&)>& progress);

@@ -92,7 +92,7 @@ std::optional<TileTransport> load_part(const std::filesystem::path& path, std::s
 
 void save_sketch_sums(const std::filesystem::path& path, const SketchSums& sums,
                       std::uint64_t fingerprint) {
-  write_part(path, {{"sums", ElementType::u32, {sums.sums().size()}}}, fingerprint,
+  write_part(path, {{"sums", ElementType::u64, {sums.sums().size()}}}, fingerprint,
              [&sums](TensorFileWriter& writer) { writer.append(sums.sums()); });
 }
 
@@ -100,7 +100,7 @@ bool load_sketch_sums(const std::filesystem::path& path, SketchSums& sums,
                       std::uint64_t fingerprint) {
   try {
     const TensorFile file = open_part(path, fingerprint);
-    const auto found = file.tensor<std::int32_t>("sums", ElementType::u32);
+    const auto found = file.tensor<std::int64_t>("sums", ElementType::u64);
     if (found.size() != sums.sums().size()) return false;
     std::ranges::copy(found, sums.sums().begin());
     return true;

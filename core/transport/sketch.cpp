@@ -59,6 +59,13 @@ std::uint64_t sign_bits(std::size_t group, std::size_t channel) {
   return Random(kSignSeed, group * 3 + channel).bits();
 }
 
+float sign_of(std::uint64_t bits, std::size_t lane) {
+  return (bits >> lane & 1) != 0 ? -1.0f : 1.0f;
+}
+
+/// So many units fit an int32, and float's rounding near them.
+constexpr float kMostUnits = 0x1p30f;
+
 /// Sums of one column: [3][kSketchRows], and Σ M̂² of each channel.
 struct ColumnSketch {
   std::array<std::array<double, kSketchRows>, 3> row{};
@@ -71,7 +78,7 @@ struct ColumnSketch {
       for (std::size_t i = 0; i < kLanes; ++i) {
         const double m = static_cast<double>(radiance[i / kBlockReceivers * kBlockFloats +
                                                       c * kBlockReceivers + i % kBlockReceivers]);
-        row[c][first + i] += (bits >> i & 1) != 0 ? -m : m;
+        row[c][first + i] += static_cast<double>(sign_of(bits, i)) * m;
         square[c] += m * m;
       }
     }
@@ -125,7 +132,7 @@ void quantize(const std::array<double, kSketchRows>& row, std::int8_t* bytes, fl
 }  // namespace
 
 float sketch_sign(std::size_t receiver, std::size_t channel) {
-  return (sign_bits(receiver / kLanes, channel) >> (receiver % kLanes) & 1) != 0 ? -1.0f : 1.0f;
+  return sign_of(sign_bits(receiver / kLanes, channel), receiver % kLanes);
 }
 
 std::size_t sketch_first_row(std::size_t group) {
@@ -142,17 +149,19 @@ void SketchSums::add_group(std::size_t first_receiver, std::span<const float> ro
   const std::size_t group = first_receiver / kLanes, first = sketch_first_row(group);
   alignas(64) std::array<float, kGroupFloats> factor;
   for (std::size_t c = 0; c < 3; ++c) {
+    const std::uint64_t bits = sign_bits(group, c);
     for (std::size_t i = 0; i < kLanes; ++i) {
-      factor[c * kLanes + i] = sketch_sign(first_receiver + i, c) / unit_;
+      factor[c * kLanes + i] = sign_of(bits, i) / unit_;
     }
   }
   const std::scoped_lock lock(mutexes_[first / kLanes]);
   for (std::size_t at = 0; at < rows.size(); at += kGroupFloats) {
     for (std::size_t c = 0; c < 3; ++c) {
       const float* const m = rows.data() + at + c * kLanes;
-      std::int32_t* const sum = sums_.data() + (at / kLanes + c) * kSketchRows + first;
+      std::int64_t* const sum = sums_.data() + (at / kLanes + c) * kSketchRows + first;
       for (std::size_t i = 0; i < kLanes; ++i) {
-        sum[i] += static_cast<std::int32_t>(round_to_whole(m[i] * factor[c * kLanes + i]));
+        const float units = std::clamp(m[i] * factor[c * kLanes + i], -kMostUnits, kMostUnits);
+        sum[i] += static_cast<std::int32_t>(round_to_whole(units));
       }
     }
   }

@@ -32,10 +32,11 @@ float sketch_sign(std::size_t receiver, std::size_t channel);
 std::size_t sketch_first_row(std::size_t group);
 
 /// The sketch of M before anything is left out, summed up group by group in whole units, so that
-/// the order changes nothing. Any thread may add any group. Memory: 2,304 bytes a column.
+/// the order changes nothing. Any thread may add any group. Memory: 4,608 bytes a column.
 class SketchSums {
  public:
-  /// `unit`: what sums count in. Entries of M are rounded to it; sums of less than 2³¹ units.
+  /// `unit`: what sums count in. Entries of M are rounded to it, and to 2³⁰ units if they are
+  /// larger.
   SketchSums(std::size_t column_count, float unit);
 
   /// A group's rows of M: [column][3][64].
@@ -43,14 +44,14 @@ class SketchSums {
 
   float unit() const { return unit_; }
   /// [column][3][kSketchRows], in units.
-  std::span<const std::int32_t> sums() const { return sums_; }
-  std::span<std::int32_t> sums() { return sums_; }
+  std::span<const std::int64_t> sums() const { return sums_; }
+  std::span<std::int64_t> sums() { return sums_; }
 
  private:
   static constexpr std::size_t kThirds = kSketchRows / PixelLayout::kGroupReceivers;
 
   float unit_;
-  std::vector<std::int32_t> sums_;
+  std::vector<std::int64_t> sums_;
   std::array<std::mutex, kThirds> mutexes_;  // of the groups whose rows begin there
 };
 
