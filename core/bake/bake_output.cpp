@@ -1,11 +1,6 @@
 #include "core/bake/bake_output.h"
 
-#include <memory>
 #include <vector>
-
-#include "core/bake/check_lights.h"
-#include "core/bake/compression.h"
-#include "core/image/metrics.h"
 
 namespace rimlight {
 namespace {
@@ -45,20 +40,6 @@ std::size_t write_transport(BakeWriter& writer, const TileStore& store, const Pi
   const Pixels gathered = gather_pixels(store, pixels);
   writer.add_pixels(pixels, gathered.coverage, gathered.reflectance);
   return bytes;
-}
-
-void write_environments(BakeWriter& writer, const TileStore& store,
-                        const std::vector<Environment>& environments, const CubeHaar& haar,
-                        float least_energy) {
-  std::vector<CubeLight> lights;
-  for (const Environment& environment : environments) {
-    lights.push_back(to_coefficients(haar, environment.project(haar.size())));
-  }
-  const LightImages images = compressed_images(store, lights, least_energy);
-  for (std::size_t i = 0; i < lights.size(); ++i) {
-    writer.add_environment(
-        {std::make_shared<const Environment>(environments[i]), auto_exposure_scale(images[i])});
-  }
 }
 
 }  // namespace rimlight

@@ -1,11 +1,8 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 #include "core/bake/tile_store.h"
-#include "core/basis/cube_haar.h"
-#include "core/light/environment.h"
 #include "core/transport/bake_folder.h"
 
 namespace rimlight {
@@ -15,11 +12,5 @@ namespace rimlight {
 /// transport stored.
 std::size_t write_transport(BakeWriter& writer, const TileStore& store, const PixelLayout& pixels,
                             float least_energy);
-
-/// Adds environments, each with the exposure that takes the mean of the bake under it,
-/// unrotated, to 0.18.
-void write_environments(BakeWriter& writer, const TileStore& store,
-                        const std::vector<Environment>& environments, const CubeHaar& haar,
-                        float least_energy);
 
 }  // namespace rimlight

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <chrono>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "core/bake/bake_output.h"
@@ -15,6 +15,8 @@
 #include "core/bake/tile_store.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/base/stopwatch.h"
+#include "core/image/metrics.h"
 #include "core/math/random.h"
 #include "core/transport/bake_folder.h"
 #include "core/transport/receiver_planes.h"
@@ -23,8 +25,6 @@
 
 namespace rimlight {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// The compression that tiles are stored with at first is finer than the pilot asks for: a sample
 /// may be kinder than the image. What that is too much is left out again, measured on the whole
@@ -38,7 +38,7 @@ constexpr float kSumsPerStep = 16;
 
 /// Sketch sums are many megabytes: kept no more often than this, so that resuming loses about as
 /// much work at most.
-constexpr auto kKeepSumsEvery = std::chrono::seconds(5);
+constexpr double kKeepSumsEveryMs = 5000;
 
 /// The reflectance of a tile's group in lanes: [3][64].
 std::array<float, kGroupFloats> reflectance_of(const TileCheck& check, std::size_t first) {
@@ -71,7 +71,7 @@ class TransportBake {
         writer_(folder) {}
 
   BakeSummary run() {
-    const auto start = Clock::now();
+    const Stopwatch watch;
     StorageStep storage = pilot();
     for (int attempt = 0;; ++attempt) {
       TileStore store(writer_.partial_folder() / "tiles", shape(),
@@ -85,7 +85,7 @@ class TransportBake {
                                                     storage.least_energy, request_.psnr_db);
       if (least_energy) {
         write(store, references, {storage.step, *least_energy}, sums);
-        summary_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+        summary_.seconds = watch.elapsed_seconds();
         return summary_;
       }
       // The pilot's groups were kinder than the image: everything again, finer.
@@ -120,7 +120,7 @@ class TransportBake {
 
   void make_tiles(const TileStore& store, const StorageStep& storage, SketchSums& sums) {
     const std::size_t summed = store.load_sums(sums);
-    Clock::time_point kept;  // long ago
+    Stopwatch since_kept;
     for (std::size_t tile = 0; tile < store.shape().tiles; ++tile) {
       const bool found = tile < summed && store.has(tile);
       if (found) {
@@ -129,9 +129,9 @@ class TransportBake {
         make_tile(store, tile, storage, tile < summed ? nullptr : &sums);
       }
       const bool last = tile + 1 == store.shape().tiles;
-      if (tile >= summed && (last || Clock::now() - kept > kKeepSumsEvery)) {
+      if (tile >= summed && (tile == 0 || last || since_kept.elapsed_ms() > kKeepSumsEveryMs)) {
         store.save_sums(tile + 1, sums);
-        kept = Clock::now();
+        since_kept.lap_ms();
       }
       report(request_.stage.c_str(),
              static_cast<double>(tile + 1) / static_cast<double>(store.shape().tiles), found);
@@ -180,12 +180,20 @@ class TransportBake {
   void write(const TileStore& store, const LightImages& references, const StorageStep& storage,
              const SketchSums& sums) {
     report("writing", 0);
-    const auto images = compressed_images(store, check_lights_, storage.least_energy);
+    std::vector<CubeLight> lights = check_lights_;
+    for (const Environment& environment : request_.environments) {
+      lights.push_back(to_coefficients(haar_, environment.project(haar_.size())));
+    }
+    LightImages images = compressed_images(store, lights, storage.least_energy);
+    for (std::size_t i = 0; i < request_.environments.size(); ++i) {
+      writer_.add_environment({std::make_shared<const Environment>(request_.environments[i]),
+                               auto_exposure_scale(images[check_lights_.size() + i])});
+    }
+    images.resize(check_lights_.size());
     const std::vector<double> psnr =
         measure_psnr(images, references, check_exposures(lights_, references));
     summary_.bytes = write_transport(writer_, store, source_.layout(), storage.least_energy);
     writer_.add_sketch(sums, source_.layout());
-    write_environments(writer_, store, request_.environments, haar_, storage.least_energy);
     if (request_.reference_receivers > 0) {
       report("keeping reference rows", 0);
       write_reference(writer_, source_, request_.reference_receivers);

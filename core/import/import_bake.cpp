@@ -1,7 +1,6 @@
 #include "core/import/import_bake.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <system_error>
@@ -10,14 +9,13 @@
 #include "core/bake/transport_bake.h"
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/basis/cube_haar.h"
 #include "core/import/imported_rows.h"
 #include "core/transport/bake_folder.h"
 
 namespace rimlight {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr int kSmallestCubeSize = 8;
 constexpr int kLargestCubeSize = 64;
@@ -233,7 +231,7 @@ ImportSummary import_bake(const MakeSource& make_source, const DirectionList& di
                           const ImportSettings& settings, const std::filesystem::path& folder,
                           const std::function<void(const BakeProgress&)>& progress) {
   RIMLIGHT_CHECK(!settings.environments.empty());
-  const auto start = Clock::now();
+  const Stopwatch watch;
   check_cap(directions, settings.cap);
   Import import(directions, settings);
   // Made once before the pictures are read: it refuses a folder that is no bake. What a killed
@@ -246,7 +244,7 @@ ImportSummary import_bake(const MakeSource& make_source, const DirectionList& di
   if (error) throw Error(partial.string(), error.message(), "a folder that can be written");
   ImportSummary summary = import.run(*make_source(partial), folder, progress);
   discard.keep();
-  summary.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  summary.seconds = watch.elapsed_seconds();
   return summary;
 }
 

@@ -1,7 +1,6 @@
 #include "core/relight/frame_renderer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -9,31 +8,20 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/base/stopwatch.h"
 #include "core/image/metrics.h"
 #include "core/light/light_rotation.h"
 #include "core/relight/background.h"
 #include "core/relight/display.h"
 #include "core/relight/error_estimate.h"
 #include "core/relight/prepared_environment.h"
+#include "core/relight/recent_times.h"
 #include "core/relight/relighter.h"
 
 namespace rimlight {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;  // a client's quaternion comes through decimal digits
-
-/// Milliseconds since it was made, or since the last lap.
-class Stopwatch {
- public:
-  double lap_ms() {
-    const auto now = Clock::now();
-    return std::chrono::duration<double, std::milli>(now - std::exchange(start_, now)).count();
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-};
 
 /// An environment, ready for this renderer's frames.
 struct Light {
@@ -58,7 +46,7 @@ struct FrameRenderer::State {
   CubeLight texels;                     // of the rotated light; scratch of its transform
   CubeLight target;
   FrameUpdater updater;
-  double rest_ms = 0;          // of display and estimate, lately: what a deadline has to leave
+  RecentTimes showing;         // display and estimate: what a deadline has to leave
   int frames_to_estimate = 0;  // until the error is estimated again
   ErrorEstimate estimated;     // when it was
 
@@ -107,11 +95,7 @@ struct FrameRenderer::State {
 
   /// The budget of the update: a deadline is less what the rest of the frame takes.
   FrameBudget update_budget(double passed_ms) const {
-    FrameBudget budget = settings.budget;
-    if (budget.unit == FrameBudget::Unit::milliseconds) {
-      budget.amount = std::max(0.0, budget.amount - passed_ms - rest_ms);
-    }
-    return budget;
+    return reduce_deadline(settings.budget, passed_ms + showing.typical_ms());
   }
 
   /// Refreshes the estimate, every few frames where it would take more than its share of a frame.
@@ -143,14 +127,13 @@ struct FrameRenderer::State {
   /// Makes pixels, and the estimate that the report says.
   void show(const DesignState& state, const Quaternion& rotation, Rgb8Image& frame,
             FrameReport& report) {
-    constexpr double kNewest = 0.3;
     Stopwatch watch;
     const double norm =
         display.show(relighter, {light(state.environment).prepared->background, rotation},
                      exposure_of(state), frame);
     report.display_ms = watch.lap_ms();
     estimate_error(norm, report);
-    rest_ms += kNewest * (report.display_ms + report.estimate_ms - rest_ms);
+    showing.add(report.display_ms + report.estimate_ms);
   }
 
   /// The exact image of a state in the relighter; false when abandoned.

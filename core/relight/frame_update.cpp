@@ -2,20 +2,14 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 
 namespace rimlight {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double milliseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 /// Of a deadline's time the first batch is planned for this share: what it then takes tells how
 /// much more there is.
@@ -65,6 +59,11 @@ std::string budget_name(const FrameBudget& budget) {
   return std::string(digits, end) + unit;
 }
 
+FrameBudget reduce_deadline(const FrameBudget& budget, double taken_ms) {
+  if (budget.unit != FrameBudget::Unit::milliseconds) return budget;
+  return {budget.unit, std::max(0.0, budget.amount - taken_ms)};
+}
+
 FrameUpdater::FrameUpdater(const Bake& bake, const CubeHaar& basis, const PolicySettings& policy,
                            Relighter& relighter)
     : bake_(bake),
@@ -102,18 +101,18 @@ std::size_t FrameUpdater::planned_cost() const {
 
 bool FrameUpdater::apply_batch(const CubeLight& target, const Budget& budget,
                                std::span<const std::uint32_t> column_bytes, UpdateReport& report) {
-  const auto start = Clock::now();
+  Stopwatch watch;
   plan(target, budget, column_bytes);
-  report.plan_ms += milliseconds_since(start);
+  report.plan_ms += watch.elapsed_ms();
   const std::size_t resets = static_cast<std::size_t>(
       std::ranges::count(plan_.bands, BandAction::reset, &BandUpdate::action));
   if (plan_.columns.empty() && resets == 0) return false;
   for (std::size_t band = 0; band < plan_.bands.size(); ++band) {
     report.reset_bands |= std::uint32_t{plan_.bands[band].action == BandAction::reset} << band;
   }
-  const auto planned = Clock::now();
+  watch.lap_ms();
   relighter_.apply(plan_, target);
-  const double taken = milliseconds_since(planned);
+  const double taken = watch.lap_ms();
   cost_.learn(planned_cost(), taken);
   report.apply_ms += taken;
   report.columns += plan_.columns.size();
@@ -126,11 +125,11 @@ bool FrameUpdater::apply_batch(const CubeLight& target, const Budget& budget,
 }
 
 void FrameUpdater::update_until(const CubeLight& target, double deadline_ms, UpdateReport& report) {
-  const auto start = Clock::now();
+  const Stopwatch watch;
   // A second batch of a policy that keeps nothing would undo the first.
   const int most_batches = keeps_nothing_ ? 1 : kMostBatches;
   for (int batch = 0; batch < most_batches; ++batch) {
-    const double left = deadline_ms - milliseconds_since(start);
+    const double left = deadline_ms - watch.elapsed_ms();
     if (batch > 0 && left < kShortestBatchMs) return;
     const double share = batch == 0 && !keeps_nothing_ ? kFirstShare : kNextShare;
     std::size_t cost = cost_.bytes_within(share * left);

@@ -29,6 +29,9 @@ struct FrameBudget {
 FrameBudget parse_budget(const std::string& text, const std::string& where);
 std::string budget_name(const FrameBudget& budget);
 
+/// What a deadline leaves when other parts of the frame take so long; other budgets as they are.
+FrameBudget reduce_deadline(const FrameBudget& budget, double taken_ms);
+
 /// How one update came about.
 struct UpdateReport {
   std::size_t columns = 0;        // added

@@ -79,19 +79,13 @@ void Relighter::rebuild_tiles(std::size_t columns) {
   if (tiles_rebuilt_ == 0) return;
   rebuild_credit_ -= tiles_rebuilt_ * kMostAdditions;
   plan_exact(held_);
-  const auto rebuild = [this](std::size_t i) { rebuild_tile((next_rebuilt_ + i) % tile_count()); };
+  // A band that came back to black column by column shows rounding alone: none of it is kept.
+  for (std::size_t b = 0; b < images_.size(); ++b) zero_[b] = exact_plan_.bands[b].count == 0;
+  const auto rebuild = [this](std::size_t i) {
+    update_tile(exact_plan_, (next_rebuilt_ + i) % tile_count(), images_);
+  };
   parallel_for(tiles_rebuilt_, std::cref(rebuild));
   next_rebuilt_ = (next_rebuilt_ + tiles_rebuilt_) % tile_count();
-}
-
-void Relighter::rebuild_tile(std::size_t tile) {
-  for (std::size_t b = 0; b < images_.size(); ++b) {
-    const BandUpdate& update = exact_plan_.bands[b];
-    float* const held = images_[b].tile(tile);
-    if (!zero_[b]) std::fill_n(held, kTileFloats, 0.0f);
-    add_columns(transport_, tile,
-                std::span(exact_plan_.columns).subspan(update.first, update.count), held);
-  }
 }
 
 void Relighter::plan_exact(const CubeLight& target) {

@@ -65,7 +65,6 @@ class Relighter {
   void move_held(const UpdatePlan& plan, const CubeLight& target);
   void plan_exact(const CubeLight& target);
   void rebuild_tiles(std::size_t columns);
-  void rebuild_tile(std::size_t tile);
 
   TransportView transport_;
   const ReceiverValues& reflectance_;

@@ -1,17 +1,17 @@
 #include "core/report/timed_run.h"
 
 #include <algorithm>
-#include <array>
-#include <chrono>
 #include <utility>
 
 #include "core/base/check.h"
 #include "core/base/parallel.h"
+#include "core/base/stopwatch.h"
 #include "core/image/codec.h"
 #include "core/image/metrics.h"
 #include "core/relight/display.h"
 #include "core/relight/error_estimate.h"
 #include "core/relight/policy.h"
+#include "core/relight/recent_times.h"
 #include "core/report/light_study.h"
 
 namespace rimlight {
@@ -19,38 +19,6 @@ namespace {
 
 constexpr int kJpegQuality = 80;
 constexpr std::size_t kReferencesAtOnce = 8;
-
-class Stopwatch {
- public:
-  double lap_ms() {
-    const auto now = Clock::now();
-    return std::chrono::duration<double, std::milli>(now - std::exchange(start_, now)).count();
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-};
-
-/// What something takes, from the last few times: their median, since one that was interrupted
-/// tells nothing of the next.
-class RecentTimes {
- public:
-  void add(double ms) {
-    last_[next_++ % last_.size()] = ms;
-    count_ = std::min(count_ + 1, last_.size());
-  }
-  double typical_ms() const {
-    auto known = last_;
-    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(count_ / 2);
-    std::nth_element(known.begin(), middle, known.begin() + static_cast<std::ptrdiff_t>(count_));
-    return *middle;
-  }
-
- private:
-  std::array<double, 5> last_{};
-  std::size_t next_ = 0, count_ = 0;
-};
 
 /// Coefficients of texels; these are scratch then.
 void transform(const CubeHaar& haar, CubeLight& texels, CubeLight& coefficients) {
@@ -104,11 +72,8 @@ class Player {
     texels_ = sequence_.player.at(index).light;
     transform(haar_, texels_, target_);
     row.ms.light = watch.lap_ms();
-    FrameBudget budget = policy_.budget;
-    if (budget.unit == FrameBudget::Unit::milliseconds) {
-      budget.amount = std::max(0.0, budget.amount - row.ms.light - showing_.typical_ms());
-    }
-    const UpdateReport update = updater_.update(target_, budget);
+    const UpdateReport update = updater_.update(
+        target_, reduce_deadline(policy_.budget, row.ms.light + showing_.typical_ms()));
     row.ms.plan = update.plan_ms;
     row.ms.apply = std::max(0.0, watch.lap_ms() - update.plan_ms);
     row.columns = update.columns;

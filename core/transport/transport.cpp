@@ -115,14 +115,6 @@ TransportView::TransportView(const Arrays& arrays, const std::string& source) : 
   }
 }
 
-std::size_t TransportView::count_blocks(std::size_t tile) const {
-  std::size_t blocks = 0;
-  for (std::size_t column = 0; column < arrays_.column_count; ++column) {
-    blocks += run(tile, column).block_count();
-  }
-  return blocks;
-}
-
 std::vector<std::uint32_t> count_column_bytes(const TransportView& transport) {
   std::vector<std::uint64_t> bytes(transport.column_count());
   for (std::size_t tile = 0; tile < transport.tile_count(); ++tile) {

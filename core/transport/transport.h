@@ -48,8 +48,6 @@ class TransportView {
     return ColumnRun(
         arrays_.runs.subspan(arrays_.tile_first_word[tile] + offset[0], offset[1] - offset[0]));
   }
-  /// Blocks of all runs of a tile: counts them.
-  std::size_t count_blocks(std::size_t tile) const;
 
  private:
   Arrays arrays_;

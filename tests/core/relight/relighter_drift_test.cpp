@@ -73,7 +73,8 @@ class Edits {
       moved_.push_back(random_.below(kHaar.coefficient_count()));
     }
     std::ranges::sort(moved_);
-    moved_.erase(std::ranges::unique(moved_).begin(), moved_.end());
+    // Not std::ranges::unique(): clang 14 cannot compile GCC 12's.
+    moved_.erase(std::unique(moved_.begin(), moved_.end()), moved_.end());
     plan_.columns.clear();
     for (BandUpdate& band : plan_.bands) band = {};
     for (const std::size_t column : moved_) {
