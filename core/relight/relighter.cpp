@@ -124,18 +124,17 @@ bool Relighter::apply_exact(const CubeLight& target, const std::function<bool()>
 }
 
 void Relighter::sum_bands(std::size_t tile, std::span<float, kTileFloats> held) const {
-  bool first = true;
-  for (std::size_t b = 0; b < images_.size(); ++b) {
-    if (zero_[b]) continue;
-    const float* const band = images_[b].tile(tile);
-    if (first) {
-      std::copy_n(band, kTileFloats, held.data());
-    } else {
-      for (std::size_t i = 0; i < kTileFloats; ++i) held[i] += band[i];
+  std::ranges::fill(held, 0.0f);
+  // A part of all bands before the next part: what is summed so far stays in the nearest cache.
+  constexpr std::size_t kPart = 1024;
+  static_assert(kTileFloats % kPart == 0);
+  for (std::size_t begin = 0; begin < kTileFloats; begin += kPart) {
+    for (std::size_t b = 0; b < images_.size(); ++b) {
+      if (zero_[b]) continue;
+      const float* const band = images_[b].tile(tile) + begin;
+      for (std::size_t i = 0; i < kPart; ++i) held[begin + i] += band[i];
     }
-    first = false;
   }
-  if (first) std::ranges::fill(held, 0.0f);
 }
 
 void Relighter::find_radiance(std::size_t tile, std::span<float, kTileFloats> radiance) const {

@@ -158,7 +158,7 @@ HWY_INLINE void add_run(const ColumnRun& run, const PlaneDeltas<kSessions>& delt
 /// offsets of a column well ahead, then, when those have come, the run of a column less far ahead.
 constexpr size_t kOffsetsAhead = 8;
 constexpr size_t kRunAhead = 4;
-constexpr size_t kMostPrefetchedBytes = 1024;  // a longer run starts the hardware's prefetcher
+constexpr size_t kMostPrefetchedBytes = 16384;  // a few runs of it fit the second-level cache
 constexpr size_t kCacheLine = 64;
 
 HWY_INLINE void prefetch_offsets(const TransportView& transport, size_t tile, size_t column) {
