@@ -5,6 +5,7 @@
 #include <string>
 
 #include "cli/command.h"
+#include "cli/number_range.h"
 #include "cli/progress_bar.h"
 #include "core/bake/image_bake.h"
 #include "core/base/parallel.h"
@@ -19,6 +20,7 @@ struct BakeOptions {
   int width = 0;
   int height = 0;
   int cube_size = 0;
+  double psnr_db = 0;
   std::size_t reference_receivers = 0;
   int threads = 0;
   bool json = false;
@@ -36,6 +38,7 @@ int run(const BakeOptions& options) {
   if (options.width > 0) read.bake.width = options.width;
   if (options.height > 0) read.bake.height = options.height;
   if (options.cube_size > 0) read.bake.cube_size = options.cube_size;
+  if (options.psnr_db > 0) read.bake.psnr_db = options.psnr_db;
   read.bake.reference_receivers = options.reference_receivers;
   if (read.dropped_triangles > 0) {
     std::fprintf(stderr, "rimlight bake: %s: dropped %zu degenerate triangles\n",
@@ -85,6 +88,11 @@ void add_bake_command(CLI::App& app, Action& chosen) {
       ->add_option("--cube-size", options->cube_size,
                    "Texels a side of the light's cube map, instead of the scene's")
       ->check(CLI::IsMember({4, 8, 16, 32, 64, 128}));
+  command
+      ->add_option("--psnr-db", options->psnr_db,
+                   "Error that compression may cost under the worst check light, as displayed, "
+                   "instead of the scene's")
+      ->check(number_range(20, 90));
   command
       ->add_flag("--reference{8192}", options->reference_receivers,
                  "Keep the uncompressed rows of a sample of receivers (8,192, or --reference=N), "

@@ -7,6 +7,7 @@
 
 #include "cli/command.h"
 #include "cli/import_report.h"
+#include "cli/number_range.h"
 #include "cli/progress_bar.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
@@ -207,7 +208,7 @@ void add_options(CLI::App& command, ImportOptions& options) {
   command
       .add_option("--psnr", options.psnr_db,
                   "Error that compression may cost, in dB of display-referred PSNR")
-      ->check(CLI::Range(20.0, 90.0))
+      ->check(number_range(20, 90))
       ->capture_default_str();
 }
 
@@ -229,7 +230,7 @@ void add_scene_options(CLI::App& command, ImportOptions& options) {
       ->delimiter(',')
       ->expected(3);
   command.add_option("--field-of-view", options.field_of_view, "Vertical, in degrees")
-      ->check(CLI::Range(1.0, 170.0))
+      ->check(number_range(1, 170))
       ->capture_default_str();
   command.add_option("--threads", options.threads, "Threads to use (default: all cores)")
       ->check(CLI::Range(1, 1024));

@@ -12,6 +12,7 @@
 #include "cli/command.h"
 #include "cli/load_client.h"
 #include "cli/load_report.h"
+#include "cli/number_range.h"
 #include "core/light/light_sequence_source.h"
 #include "server/session/baked_scene.h"
 
@@ -125,7 +126,7 @@ void add_load_command(CLI::App& app, Action& chosen) {
   command
       ->add_option("--seconds", options->seconds,
                    "How long the script plays [5, or the sequence's own length]")
-      ->check(CLI::Range(0.1, 3600.0));
+      ->check(number_range(0.1, 3600));
   command->add_flag("--shared-session", options->shared_session,
                     "All clients open one session and play the script together");
   command->add_option("--scene", options->scene, "The scene to open [the server's default]");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/number_range.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/parallel.h"
@@ -105,7 +106,7 @@ void add_render_command(CLI::App& app, Action& chosen) {
       ->delimiter(',')
       ->expected(4);
   command->add_option("--exposure", options->exposure, "Stops; 0 is the bake's own exposure")
-      ->check(CLI::Range(-20.0, 20.0));
+      ->check(number_range(-20, 20));
   command->add_option("-o,--output", options->output, "Picture to write")->capture_default_str();
   command->add_option("--threads", options->threads, "Threads to use (default: all cores)")
       ->check(CLI::Range(1, 1024));

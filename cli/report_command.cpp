@@ -1,137 +1,70 @@
-#include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
-#include <memory>
-#include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
+#include <system_error>
 
-#include "cli/command.h"
 #include "cli/progress_bar.h"
+#include "cli/report_experiments.h"
+#include "core/bake/image_bake.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
-#include "core/light/light_sequence_source.h"
-#include "core/report/error_vs_time.h"
-#include "core/report/figures.h"
 #include "core/report/report_files.h"
-#include "core/report/run_summary.h"
+#include "core/scene/scene_source.h"
 
 namespace rimlight {
 namespace {
 
-struct ReportOptions {
-  std::string folder;
-  std::vector<std::string> lights;
-  std::string sequence = "rotation";
-  std::vector<std::string> policies;
-  std::string output = "report";
-  int frames = 0;
-  int threads = 0;
-  bool json = false;
-};
+constexpr std::size_t kReferenceReceivers = 8192;
 
-/// An environment of the bake, one made by code, or a file.
-std::shared_ptr<const Environment> find_light(const Bake& bake, const std::string& name) {
-  for (const BakedEnvironment& one : bake.environments()) {
-    if (one.environment->name() == name) return one.environment;
-  }
-  if (std::ranges::count(builtin_environment_names(), name) > 0) {
-    return std::make_shared<const Environment>(builtin_environment(name));
-  }
-  const std::filesystem::path file(name);
-  if (file.has_extension()) return std::make_shared<const Environment>(load_environment(file));
-  std::string names;
-  for (const auto& one : bake.environments()) names += " " + quote(one.environment->name());
-  throw Error("--light", quote(name),
-              "one of" + names + ", a built-in environment, or a .hdr or .exr file");
+}  // namespace
+
+void add_report_options(CLI::App& command, ReportOptions& options) {
+  command
+      .add_option("--scene,scene", options.scene,
+                  "Bake, best made with --reference; or a scene source (.json), which is baked "
+                  "with reference rows first, into the output folder")
+      ->required();
+  command.add_option("-o,--output", options.output, "Folder to write")->capture_default_str();
+  command.add_option("--threads", options.threads, "Threads to use (default: all cores)")
+      ->check(CLI::Range(1, 1024));
+  command.add_flag("--json", options.json, "Print the report as one JSON object");
 }
 
-ErrorVsTimeSettings settings_of(const ReportOptions& options, const Bake& bake) {
-  ErrorVsTimeSettings settings;
-  settings.sequence = find_light_sequence(options.sequence, "--sequence");
-  settings.most_frames = options.frames;
-  for (const std::string& light : options.lights) {
-    settings.lights.push_back(find_light(bake, light));
-  }
-  if (options.policies.empty()) return settings;
-  settings.policies.clear();
-  for (const std::string& policy : options.policies) {
-    settings.policies.push_back(parse_timed_policy(policy, "--policy"));
-  }
-  return settings;
-}
-
-/// A table on standard error.
-void print_summary(const ErrorVsTimeReport& report) {
-  std::fprintf(stderr, "%-12s %-18s %8s %9s %8s   %s\n", "light", "policy", "ms", "L2 error",
-               "PSNR dB", "still: L2 error");
-  for (const RunSummary& run : summarize_runs(report.rows)) {
-    std::fprintf(stderr, "%-12s %-18s %8.2f %9.4f %8.2f   %.4f\n", run.light.c_str(),
-                 run.run.c_str(), run.moving.median_ms, run.moving.relative_l2, run.moving.psnr_db,
-                 run.still.relative_l2);
-  }
-}
-
-int run(const ReportOptions& options) {
+std::unique_ptr<const Bake> open_bake(const ReportOptions& options) {
   if (options.threads > 0) set_thread_count(options.threads);
-  const Bake bake(options.folder);
-  const ErrorVsTimeSettings settings = settings_of(options, bake);
-  ErrorVsTimeReport report;
-  {
-    ProgressBar bar("error against time");
-    report = measure_error_vs_time(
-        bake, settings, [&bar](const std::string& stage, double share) { bar.show(stage, share); });
-  }
+  const std::filesystem::path source(options.scene);
+  if (source.extension() != ".json") return std::make_unique<const Bake>(source);
+  Scene read = read_scene(source);
+  read.bake.reference_receivers = kReferenceReceivers;
+  const auto scene = std::make_shared<const Scene>(std::move(read));
+  const auto folder = make_folder(options) / (source.stem().string() + ".bake");
+  ProgressBar bar("baking " + scene->name);
+  bake_image(scene, folder, [&bar](const BakeProgress& progress) {
+    bar.show(progress.stage, progress.fraction, !progress.resumed);
+  });
+  return std::make_unique<const Bake>(folder);
+}
+
+std::filesystem::path make_folder(const ReportOptions& options) {
+  std::error_code failure;
+  std::filesystem::create_directories(options.output, failure);
+  if (failure) throw Error(options.output, failure.message(), "a folder to write to");
+  return options.output;
+}
+
+void publish(const nlohmann::json& report, const Figures& figures, const ReportOptions& options) {
   write_report(report, options.output);
-  const Figures figures = draw_figures(report, options.output);
-  if (!report.has_reference_rows) {
-    std::fprintf(stderr,
-                 "rimlight report: %s has no reference rows (bake --reference): errors are "
-                 "against the stored transport, without compression's\n",
-                 options.folder.c_str());
-  }
   if (figures.pictures.size() < figures.scripts.size()) {
     std::fprintf(stderr, "rimlight report: gnuplot is not installed: %zu scripts, no pictures\n",
                  figures.scripts.size());
   }
-  print_summary(report);
-  if (options.json) std::printf("%s\n", to_json(report).dump().c_str());
-  return 0;
+  if (options.json) std::printf("%s\n", report.dump().c_str());
 }
-
-void add_error_vs_time(CLI::App& report, Action& chosen) {
-  auto options = std::make_shared<ReportOptions>();
-  CLI::App* const command = report.add_subcommand(
-      "error-vs-time",
-      "Play a light sequence through every policy and budget; measure time and error of each "
-      "frame");
-  command->add_option("bake", options->folder, "Bake, best made with --reference")->required();
-  command->add_option("--light", options->lights,
-                      "An environment of the bake or a built-in one by name, or a .hdr or .exr "
-                      "file; repeatable (default: the bake's own)");
-  command->add_option("--sequence", options->sequence, "A light sequence by name, or a .json file")
-      ->capture_default_str();
-  command->add_option("--policy", options->policies,
-                      "POLICY@BUDGET, such as pbi@30 or benefit@16ms; or as long as another takes, "
-                      "benefit@pbi@30, or as many bytes, benefit@bytes:pbi@30; repeatable "
-                      "(default: those of the papers, and "
-                      "benefit in their time)");
-  command->add_option("--frames", options->frames, "Only the first of the sequence")
-      ->check(CLI::Range(1, 1'000'000));
-  command->add_option("-o,--output", options->output, "Folder to write")->capture_default_str();
-  command->add_option("--threads", options->threads, "Threads to use (default: all cores)")
-      ->check(CLI::Range(1, 1024));
-  command->add_flag("--json", options->json, "Print the report as one JSON object");
-  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
-}
-
-}  // namespace
 
 void add_report_command(CLI::App& app, Action& chosen) {
   CLI::App* const command =
       app.add_subcommand("report", "Run an experiment on a bake; write its numbers and figures");
   command->require_subcommand(1);
-  add_error_vs_time(*command, chosen);
+  add_error_vs_time_report(*command, chosen);
+  add_storage_report(*command, chosen);
 }
 
 }  // namespace rimlight

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "core/base/files.h"
-#include "core/report/gnuplot.h"
 #include "core/report/run_summary.h"
 
 namespace rimlight {
@@ -75,11 +73,7 @@ class LightFigures {
   }
 
   void finish(const std::string& name, const GnuplotScript& script) {
-    std::filesystem::path path = folder_ / picture(name);
-    path.replace_extension(".gp");
-    write_file_atomically(path, script.text());
-    figures_.scripts.push_back(path);
-    if (run_gnuplot(path)) figures_.pictures.push_back(folder_ / picture(name));
+    draw_figure(script, folder_ / picture(name), figures_);
   }
 
   void draw_against_frame(const std::string& name, const std::string& label,

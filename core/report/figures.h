@@ -1,17 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include "core/report/error_vs_time.h"
+#include "core/report/gnuplot.h"
 
 namespace rimlight {
-
-struct Figures {
-  std::vector<std::filesystem::path> scripts;   // .gp
-  std::vector<std::filesystem::path> pictures;  // .png, of the same names; none without gnuplot
-};
 
 /// Draws a report with gnuplot where it is installed, and leaves the scripts, which hold their
 /// data. For each light: error against frame (Overbeck 2006, figure 6.2) in the light and in the

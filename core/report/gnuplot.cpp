@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "core/base/error.h"
+#include "core/base/files.h"
 
 extern char** environ;  // NOLINT: POSIX names it so
 
@@ -71,6 +72,15 @@ std::string gnuplot_quote(const std::string& text) {
     quoted += c < ' ' && c >= 0 ? ' ' : c;
   }
   return quoted + "\"";
+}
+
+void draw_figure(const GnuplotScript& script, const std::filesystem::path& picture,
+                 Figures& figures) {
+  std::filesystem::path path = picture;
+  path.replace_extension(".gp");
+  write_file_atomically(path, script.text());
+  figures.scripts.push_back(path);
+  if (run_gnuplot(path)) figures.pictures.push_back(picture);
 }
 
 }  // namespace rimlight

@@ -27,6 +27,16 @@ class GnuplotScript {
   std::string text_;
 };
 
+struct Figures {
+  std::vector<std::filesystem::path> scripts;   // .gp
+  std::vector<std::filesystem::path> pictures;  // .png, of the same names; none without gnuplot
+};
+
+/// Writes a script beside its picture-to-be, and draws it where gnuplot is installed. Throws Error
+/// when the folder cannot be written or gnuplot fails.
+void draw_figure(const GnuplotScript& script, const std::filesystem::path& picture,
+                 Figures& figures);
+
 /// In double quotes, as gnuplot reads them: nothing in it is a command or an enhanced-text mark.
 std::string gnuplot_quote(const std::string& text);
 

@@ -85,10 +85,14 @@ std::vector<std::vector<Vec3f>> MeasuredReceivers::reference(
     std::span<const CubeLight> lights) const {
   RIMLIGHT_CHECK(has_rows());
   const auto whole = rows_->multiply(lights);
-  std::vector<std::vector<Vec3f>> result(lights.size());
-  for (std::size_t light = 0; light < lights.size(); ++light) {
-    for (const std::size_t row : row_) result[light].push_back(whole[light][row]);
-  }
+  std::vector<std::vector<Vec3f>> result;
+  for (const std::vector<Vec3f>& image : whole) result.push_back(select(image));
+  return result;
+}
+
+std::vector<Vec3f> MeasuredReceivers::select(const std::vector<Vec3f>& of_rows) const {
+  std::vector<Vec3f> result;
+  for (const std::size_t row : row_) result.push_back(of_rows[row]);
   return result;
 }
 

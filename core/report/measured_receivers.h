@@ -28,6 +28,11 @@ class MeasuredReceivers {
   /// The uncompressed rows times full lights (coefficients), in double: [light][count()]. Only with
   /// has_rows().
   std::vector<std::vector<Vec3f>> reference(std::span<const CubeLight> lights) const;
+  /// Only with has_rows().
+  const ReferenceRows& rows() const { return *rows_; }
+  /// Of an image of all the rows [group · 64 + receiver in the group], the measured ones:
+  /// [count()].
+  std::vector<Vec3f> select(const std::vector<Vec3f>& of_rows) const;
 
  private:
   std::optional<ReferenceRows> rows_;

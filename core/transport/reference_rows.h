@@ -32,6 +32,10 @@ class ReferenceRows {
 
   /// The groups' first receivers.
   std::span<const std::uint64_t> groups() const { return groups_; }
+  /// A group's rows: [columns][3][64]; may be of numbers that are not finite.
+  std::span<const float> group(std::size_t group) const {
+    return rows_.subspan(group * columns_ * kGroupFloats, columns_ * kGroupFloats);
+  }
 
   /// For each light the sum over columns of row · coefficient, in double: radiance [light][group ·
   /// 64 + receiver in the group]. Reads the rows once for all lights; in parallel over groups.

@@ -215,6 +215,41 @@ TEST_F(Program, ReportsErrorAgainstTimeToFilesAndOutput) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "none"));
 }
 
+TEST_F(Program, ReportsOnASceneThatItBakesFirst) {
+  write(folder_ / "scene.json", small_scene(32));
+  const ProgramResult result = run_program(
+      {"report", "storage", "--scene", path("scene.json"), "-o", path("report"), "--json"});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  const json report = json::parse(result.output);
+  EXPECT_EQ(report.at("experiment"), "storage");
+  EXPECT_GT(report.at("bake_over_csr").get<double>(), 0);
+  EXPECT_EQ(report, json::parse(read_file(folder_ / "report" / "storage.json", kMostBytes)));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "report" / "storage.csv"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "report" / "scene.bake" / "manifest.json"));
+
+  bake_scene();  // without reference rows
+  const ProgramResult without = run_program({"report", "storage", path("a.bake")});
+  EXPECT_EQ(without.status, 1);
+  EXPECT_THAT(without.errors, HasSubstr("--reference"));
+}
+
+TEST_F(Program, ABakeKeepsTheErrorAskedFor) {
+  write(folder_ / "scene.json", small_scene(32));
+  double bytes = 0;
+  for (const char* const psnr : {"40", "60"}) {
+    const ProgramResult result = run_program(
+        {"bake", path("scene.json"), "-o", path("asked.bake"), "--psnr-db", psnr, "--json"});
+    ASSERT_EQ(result.status, 0) << result.errors;
+    const json summary = json::parse(result.output);
+    EXPECT_GE(summary.at("worst_psnr_db").get<double>(), std::stod(psnr));
+    EXPECT_GT(summary.at("transport_bytes").get<double>(), 1.2 * bytes);
+    bytes = summary.at("transport_bytes").get<double>();
+  }
+  for (const char* const bad : {"nan", "inf", "19.9", "50dB"}) {
+    EXPECT_EQ(run_program({"bake", path("scene.json"), "--psnr-db", bad}).status, 2) << bad;
+  }
+}
+
 TEST_F(Program, ADamagedBakeIsRefusedByEveryCommand) {
   bake_scene();
   const auto file = folder_ / "a.bake" / "transport.safetensors";

@@ -9,6 +9,7 @@
 
 #include "core/base/files.h"
 #include "core/image/image_file.h"
+#include "core/report/error_vs_time_json.h"
 #include "core/report/figures.h"
 #include "core/report/gnuplot.h"
 #include "core/report/run_summary.h"
@@ -98,7 +99,7 @@ TEST(ReportFiles, SummariesAreMeansOfMotionAndOfWhatComesAfter) {
 }
 
 TEST(ReportFiles, CsvHasALineForEachRowAndAsManyFieldsInEach) {
-  std::istringstream lines(to_csv(small_report()));
+  std::istringstream lines(to_csv(to_json(small_report()).at("rows")));
   std::vector<std::size_t> fields;
   for (std::string line; std::getline(lines, line);) {
     std::size_t count = 1;
@@ -112,17 +113,19 @@ TEST(ReportFiles, CsvHasALineForEachRowAndAsManyFieldsInEach) {
   ASSERT_EQ(fields.size(), 17u);
   for (const std::size_t count : fields) EXPECT_EQ(count, fields.front());
   EXPECT_GT(fields.front(), 20u);
-  EXPECT_THAT(to_csv(small_report()), ::testing::HasSubstr("\"a \"\"scene\"\"\""));
+  EXPECT_THAT(to_csv(to_json(small_report()).at("rows")),
+              ::testing::HasSubstr("\"a \"\"scene\"\"\""));
 }
 
 TEST(ReportFiles, AreWrittenToANewFolderAndRefusedWhereThereCanBeNone) {
   const TemporaryFolder folder;
-  write_report(small_report(), folder / "a");
+  write_report(to_json(small_report()), folder / "a");
   EXPECT_EQ(json::parse(read_file(folder / "a" / "error-vs-time.json", 1 << 20)),
             to_json(small_report()));
-  EXPECT_EQ(read_file(folder / "a" / "error-vs-time.csv", 1 << 20), to_csv(small_report()));
+  EXPECT_EQ(read_file(folder / "a" / "error-vs-time.csv", 1 << 20),
+            to_csv(to_json(small_report()).at("rows")));
   const auto file = folder / "a" / "error-vs-time.csv";
-  EXPECT_THAT(test::error_of([&] { write_report(small_report(), file / "b"); }),
+  EXPECT_THAT(test::error_of([&] { write_report(to_json(small_report()), file / "b"); }),
               ::testing::HasSubstr("a folder to write to"));
 }
 
