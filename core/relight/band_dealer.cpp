@@ -45,12 +45,13 @@ void BandDealer::pick_up(const PlanRequest& request, const RankedColumns& ranked
     const auto list = static_cast<std::size_t>(entry.list());
     bands_[list / 2].hands[list % 2].columns.push_back(entry.column());
   }
-  const ColumnCosts costs(request);
+  const auto candidates = Candidates::columns(request.basis);
+  const ColumnCosts costs(request, candidates);
   for (std::size_t list = 0; list < 2 * bands_.size(); ++list) {
     Hand& hand = bands_[list / 2].hands[list % 2];
     hand.cost.assign(hand.size() + 1, 0);
     hand.error.assign(hand.size() + 1, 0);
-    hand.error.back() = ranked.gains_left_out(request.basis, static_cast<int>(list / 2),
+    hand.error.back() = ranked.gains_left_out(candidates, static_cast<int>(list / 2),
                                               static_cast<Alternative>(list % 2), gains[list % 2]);
     for (std::size_t n = 0; n < hand.size(); ++n) {
       hand.cost[n + 1] = hand.cost[n] + costs.of(hand.columns[n]);

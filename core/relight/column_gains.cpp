@@ -18,7 +18,7 @@ struct Lights {
   explicit Lights(const PlanRequest& request) {
     for (int c = 0; c < 3; ++c) {
       target[c] = request.target.channel(c).data();
-      held[c] = request.held.channel(c).data();
+      held[c] = request.held.layer(0).channel(c).data();
     }
   }
 
@@ -93,12 +93,39 @@ std::span<const float> norms_squared(const PlanRequest& request) {
   return request.column_norm_squared;
 }
 
+/// Energies of all parts; ranked by them.
+void measure_part_energies(const PlanRequest& request, Alternative alternative,
+                           ColumnGains& gains) {
+  const std::size_t columns = request.target.count(), parts = columns * kLayers;
+  RIMLIGHT_CHECK_EQ(request.part_norm_squared.size(), 3 * parts);
+  gains.gain.assign(parts, 0);
+  gains.rank.assign(parts, 0);
+  for (std::size_t layer = 0; layer < kLayers; ++layer) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float* const target = request.target.channel(static_cast<int>(c)).data();
+      const float* const held = request.held.layer(layer).channel(static_cast<int>(c)).data();
+      const float* const squares = request.part_norm_squared.data() + c * parts;
+      const float kept = alternative == Alternative::increment ? 1.0f : 0.0f;
+      for (std::size_t i = 0; i < columns; ++i) {
+        const float delta = target[i] - kept * held[i];
+        const std::size_t part = part_of(i, layer);
+        gains.gain[part] += squares[part] * delta * delta;
+        gains.rank[part] |= static_cast<std::uint32_t>(delta != 0);  // for now: whether it changes
+      }
+    }
+  }
+  for (std::size_t part = 0; part < parts; ++part) {
+    gains.gain[part] = tamed(gains.gain[part]);
+    gains.rank[part] = rank_of(gains.gain[part], gains.rank[part] != 0);
+  }
+}
+
 }  // namespace
 
-double ColumnGains::of_band(const CubeHaar& basis, int band) const {
-  const std::size_t end = basis.band_begin(band + 1);
+double ColumnGains::of_band(const Candidates& candidates, int band) const {
+  const std::size_t end = candidates.band_begin(band + 1);
   double sums[4] = {};  // side by side, which the compiler may put into one vector
-  std::size_t i = basis.band_begin(band);
+  std::size_t i = candidates.band_begin(band);
   for (; i + 4 <= end; i += 4) {
     for (std::size_t k = 0; k < 4; ++k) sums[k] += double{gain[i + k]};
   }
@@ -109,9 +136,11 @@ double ColumnGains::of_band(const CubeHaar& basis, int band) const {
 bool holds_nothing(const PlanRequest& request, int band) {
   const std::size_t begin = request.basis.band_begin(band);
   const std::size_t end = request.basis.band_begin(band + 1);
-  for (int c = 0; c < 3; ++c) {
-    const auto held = request.held.channel(c).subspan(begin, end - begin);
-    if (std::ranges::any_of(held, [](float value) { return value != 0; })) return false;
+  for (std::size_t layer = 0; layer < kLayers; ++layer) {
+    for (int c = 0; c < 3; ++c) {
+      const auto held = request.held.layer(layer).channel(c).subspan(begin, end - begin);
+      if (std::ranges::any_of(held, [](float value) { return value != 0; })) return false;
+    }
   }
   return true;
 }
@@ -138,22 +167,27 @@ void measure_sizes(const PlanRequest& request, Selection selection, Alternative 
     };
     measure(request, alternative, by_band, gains);
   }
-  leave_out_unaffordable(ColumnCosts(request), gains.rank);
+  leave_out_unaffordable(ColumnCosts(request, Candidates::columns(request.basis)), gains.rank);
 }
 
-void measure_energies(const PlanRequest& request, Alternative alternative, ColumnGains& gains) {
-  const float* const squares = norms_squared(request).data();
-  const std::size_t count = request.target.count();
-  const auto by_energy = [=](int) {
-    // (norm² · r) · r: r² alone could overflow where the norm is 0.
-    return [=](std::size_t i, float x, float y, float z) {
-      return squares[i] * x * x + squares[count + i] * y * y + squares[2 * count + i] * z * z;
+void measure_energies(const PlanRequest& request, const Candidates& candidates,
+                      Alternative alternative, ColumnGains& gains) {
+  if (candidates.are_parts()) {
+    measure_part_energies(request, alternative, gains);
+  } else {
+    const float* const squares = norms_squared(request).data();
+    const std::size_t count = request.target.count();
+    const auto by_energy = [=](int) {
+      // (norm² · r) · r: r² alone could overflow where the norm is 0.
+      return [=](std::size_t i, float x, float y, float z) {
+        return squares[i] * x * x + squares[count + i] * y * y + squares[2 * count + i] * z * z;
+      };
     };
-  };
-  measure(request, alternative, by_energy, gains);
-  const ColumnCosts costs(request);
+    measure(request, alternative, by_energy, gains);
+  }
+  const ColumnCosts costs(request, candidates);
   if (costs.are_bytes()) {
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < gains.gain.size(); ++i) {
       const float density = gains.gain[i] / static_cast<float>(costs.bytes_of(i));
       gains.rank[i] = rank_of(density, gains.rank[i] != 0);
     }

@@ -15,11 +15,34 @@ namespace rimlight {
 /// target itself.
 enum class Alternative : std::uint8_t { increment, reset };
 
+/// What a policy chooses from: whole columns, or their layers by themselves (parts). Both are
+/// numbered in order of columns, so that a band is one range of them. Here "column" also stands for
+/// a part, where a policy chooses those.
+class Candidates {
+ public:
+  static Candidates columns(const CubeHaar& basis) { return {basis, 1}; }
+  static Candidates parts(const CubeHaar& basis) { return {basis, kLayers}; }
+
+  bool are_parts() const { return per_column_ > 1; }
+  std::size_t count() const { return per_column_ * basis_->coefficient_count(); }
+  int band_count() const { return basis_->band_count(); }
+  std::size_t band_begin(int band) const { return per_column_ * basis_->band_begin(band); }
+
+ private:
+  Candidates(const CubeHaar& basis, std::size_t per_column)
+      : basis_(&basis), per_column_(per_column) {}
+
+  const CubeHaar* basis_;
+  std::size_t per_column_;
+};
+
 /// What a budget counts: one for each column, or its bytes (at least one).
 class ColumnCosts {
  public:
-  explicit ColumnCosts(const PlanRequest& request)
-      : bytes_(request.budget.unit == Budget::Unit::bytes ? request.column_bytes.data() : nullptr),
+  ColumnCosts(const PlanRequest& request, const Candidates& candidates)
+      : bytes_(request.budget.unit != Budget::Unit::bytes ? nullptr
+               : candidates.are_parts()                   ? request.part_bytes.data()
+                                                          : request.column_bytes.data()),
         budget_(request.budget.amount) {}
 
   std::uint64_t budget() const { return budget_; }
@@ -47,18 +70,21 @@ struct ColumnGains {
   std::vector<std::uint32_t> rank;
 
   /// Σ of gains over a band.
-  double of_band(const CubeHaar& basis, int band) const;
+  double of_band(const Candidates& candidates, int band) const;
 };
 
-/// Whether the held light is zero all over a band, so that its image is known to be zero.
+/// Whether every layer's held light is zero all over a band, so that its image is known to be zero.
 bool holds_nothing(const PlanRequest& request, int band);
 
-/// Gains in the L1 norm: weight of the selection · |delta|, channels summed; ranked as they are.
-/// By transport, each channel has its own weight, the norm of its column.
+/// Gains of whole columns in the L1 norm: weight of the selection · |delta|, channels summed;
+/// ranked as they are. Where layers show several lights, that of the widest counts. By transport,
+/// each channel has its own weight, the norm of its column.
 void measure_sizes(const PlanRequest& request, Selection selection, Alternative alternative,
                    ColumnGains& gains);
 
-/// Gains in the image's squared error: Σ over channels of (delta · norm)²; ranked per cost.
-void measure_energies(const PlanRequest& request, Alternative alternative, ColumnGains& gains);
+/// Gains in the image's squared error: Σ over channels of (delta · norm)²; ranked per cost. Of
+/// whole columns the layers must show one light.
+void measure_energies(const PlanRequest& request, const Candidates& candidates,
+                      Alternative alternative, ColumnGains& gains);
 
 }  // namespace rimlight

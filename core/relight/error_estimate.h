@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/light/cube_light.h"
+#include "core/relight/held_light.h"
 #include "core/transport/sketch.h"
 
 namespace rimlight {
@@ -21,11 +22,11 @@ class ErrorEstimator {
   explicit ErrorEstimator(const Sketch& sketch) : sketch_(sketch) {}
 
   /// Lights are coefficients.
-  ErrorEstimate estimate(const CubeLight& target, const CubeLight& held);
+  ErrorEstimate estimate(const CubeLight& target, const HeldLight& held);
 
  private:
   const Sketch& sketch_;
-  CubeLight residual_;
+  AlignedVector<float> residual_;  // [3][parts]
 };
 
 }  // namespace rimlight

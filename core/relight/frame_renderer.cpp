@@ -1,6 +1,7 @@
 #include "core/relight/frame_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -45,6 +46,8 @@ struct FrameRenderer::State {
   std::map<std::string, Light> lights;  // of the environments shown so far
   CubeLight texels;                     // of the rotated light; scratch of its transform
   CubeLight target;
+  CubeLight mean_held;
+  std::array<float, kLayers> shares;  // of the image's energy, by layer
   FrameUpdater updater;
   RecentTimes showing;         // display and estimate: what a deadline has to leave
   int frames_to_estimate = 0;  // until the error is estimated again
@@ -58,6 +61,7 @@ struct FrameRenderer::State {
         display(bake->manifest().pixels, bake->manifest().camera, bake->coverage()),
         estimator(bake->sketch()),
         target(haar.size()),
+        shares(layer_shares(bake->sketch())),
         updater(*bake, haar, settings.policy, relighter) {
     for (const BakedEnvironment& baked : bake->environments()) {
       environments.emplace(baked.environment->name(), baked);
@@ -114,9 +118,10 @@ struct FrameRenderer::State {
     report.estimate_of_time = estimated.residual / image_norm;
   }
 
-  double residual() const {
+  double residual() {
+    find_mean(relighter.held(), shares, mean_held);
     const double size = weighted_size(haar, target);
-    return size > 0 ? weighted_distance(haar, target, relighter.held()) / size : 0;
+    return size > 0 ? weighted_distance(haar, target, mean_held) / size : 0;
   }
 
   float exposure_of(const DesignState& state) const {

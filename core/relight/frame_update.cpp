@@ -19,17 +19,14 @@ constexpr int kMostBatches = 4;
 /// Time too short for another batch: planning alone takes a good part of it.
 constexpr double kShortestBatchMs = 0.6;
 
-/// What applying each column takes as the cost model counts: its bytes, and for each tile the
-/// looking up of a run, which takes about as long as reading kBytesPerRun.
-std::vector<std::uint32_t> count_column_costs(std::span<const std::uint32_t> column_bytes,
-                                              std::size_t tile_count) {
-  constexpr std::uint64_t kBytesPerRun = 64;
+/// What the cost model counts, in bytes' worth: adding a block takes about the same time however
+/// wide it is, and so does looking up a run.
+constexpr std::uint64_t kWorkPerBlock = 8;
+constexpr std::uint64_t kWorkPerRun = 64;
+
+std::uint32_t clamped(std::uint64_t amount) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> costs;
-  for (const std::uint32_t bytes : column_bytes) {
-    costs.push_back(static_cast<std::uint32_t>(std::min(kMost, bytes + tile_count * kBytesPerRun)));
-  }
-  return costs;
+  return static_cast<std::uint32_t>(std::min(kMost, amount));
 }
 
 }  // namespace
@@ -71,18 +68,51 @@ FrameUpdater::FrameUpdater(const Bake& bake, const CubeHaar& basis, const Policy
       policy_(make_policy(policy)),
       keeps_nothing_(policy.kind == PolicyKind::linear || policy.kind == PolicyKind::nwa),
       relighter_(relighter),
-      column_cost_(count_column_costs(bake.column_bytes(), relighter.tile_count())),
-      largest_column_cost_(*std::ranges::max_element(column_cost_)) {}
+      bytes_(count_bytes(bake)),
+      work_(count_work(bake)),
+      most_work_of_a_column_(*std::ranges::max_element(work_.column)) {}
 
-void FrameUpdater::plan(const CubeLight& target, const Budget& budget,
-                        std::span<const std::uint32_t> column_bytes) {
+std::uint64_t FrameUpdater::Costs::of(const ColumnDelta& delta) const {
+  if (delta.layers == kAllLayers) return column[delta.column];
+  std::uint64_t cost = 0;
+  for (std::size_t layer = 0; layer < kLayers; ++layer) {
+    if ((delta.layers >> layer & 1) != 0) cost += part[part_of(delta.column, layer)];
+  }
+  return cost;
+}
+
+FrameUpdater::Costs FrameUpdater::count_bytes(const Bake& bake) {
+  Costs costs{bake.column_bytes(), {}};
+  for (const PartSize& size : bake.part_sizes()) costs.part.push_back(size.bytes);
+  return costs;
+}
+
+FrameUpdater::Costs FrameUpdater::count_work(const Bake& bake) {
+  Costs costs;
+  const auto& sizes = bake.part_sizes();
+  for (std::size_t column = 0; column < bake.column_bytes().size(); ++column) {
+    std::uint64_t blocks = 0, runs = 0;
+    for (std::size_t layer = 0; layer < kLayers; ++layer) {
+      const PartSize& size = sizes[part_of(column, layer)];
+      costs.part.push_back(clamped(size.blocks * kWorkPerBlock + size.runs * kWorkPerRun));
+      blocks += size.blocks;
+      runs = std::max<std::uint64_t>(runs, size.runs);
+    }
+    costs.column.push_back(clamped(blocks * kWorkPerBlock + runs * kWorkPerRun));
+  }
+  return costs;
+}
+
+void FrameUpdater::plan(const CubeLight& target, const Budget& budget, const Costs& costs) {
   policy_->make_plan({.basis = basis_,
                       .target = target,
                       .held = relighter_.held(),
                       .budget = budget,
                       .column_norm_squared = bake_.sketch().norm_squared,
-                      .column_bytes = column_bytes,
-                      .band_image_bytes = band_image_bytes()},
+                      .column_bytes = costs.column,
+                      .band_image_bytes = band_image_bytes(),
+                      .part_norm_squared = bake_.sketch().part_norm_squared,
+                      .part_bytes = costs.part},
                      workspace_, plan_);
 }
 
@@ -92,17 +122,17 @@ std::size_t FrameUpdater::band_image_bytes() const {
 
 std::size_t FrameUpdater::planned_cost() const {
   std::size_t cost = 0;
-  for (const ColumnDelta& column : plan_.columns) cost += column_cost_[column.column];
+  for (const ColumnDelta& column : plan_.columns) cost += work_.of(column);
   for (const BandUpdate& band : plan_.bands) {
     if (band.action == BandAction::reset && band.count > 0) cost += band_image_bytes();
   }
   return cost;
 }
 
-bool FrameUpdater::apply_batch(const CubeLight& target, const Budget& budget,
-                               std::span<const std::uint32_t> column_bytes, UpdateReport& report) {
+bool FrameUpdater::apply_batch(const CubeLight& target, const Budget& budget, const Costs& costs,
+                               UpdateReport& report) {
   Stopwatch watch;
-  plan(target, budget, column_bytes);
+  plan(target, budget, costs);
   report.plan_ms += watch.elapsed_ms();
   const std::size_t resets = static_cast<std::size_t>(
       std::ranges::count(plan_.bands, BandAction::reset, &BandUpdate::action));
@@ -115,10 +145,8 @@ bool FrameUpdater::apply_batch(const CubeLight& target, const Budget& budget,
   const double taken = watch.lap_ms();
   cost_.learn(planned_cost(), taken);
   report.apply_ms += taken;
-  report.columns += plan_.columns.size();
-  for (const ColumnDelta& column : plan_.columns) {
-    report.bytes += bake_.column_bytes()[column.column];
-  }
+  report.columns += plan_.column_count();
+  for (const ColumnDelta& column : plan_.columns) report.bytes += bytes_.of(column);
   report.bands_reset += resets;
   report.tiles_rebuilt += relighter_.tiles_rebuilt();
   return !plan_.columns.empty();
@@ -134,8 +162,8 @@ void FrameUpdater::update_until(const CubeLight& target, double deadline_ms, Upd
     const double share = batch == 0 && !keeps_nothing_ ? kFirstShare : kNextShare;
     std::size_t cost = cost_.bytes_within(share * left);
     // However short the time, a column fits: else the image would stay as it is for ever.
-    if (batch == 0) cost = std::max(cost, largest_column_cost_);
-    if (!apply_batch(target, Budget::bytes(cost), column_cost_, report)) return;
+    if (batch == 0) cost = std::max(cost, most_work_of_a_column_);
+    if (!apply_batch(target, Budget::bytes(cost), work_, report)) return;
   }
 }
 
@@ -144,10 +172,10 @@ UpdateReport FrameUpdater::update(const CubeLight& target, const FrameBudget& bu
   const auto amount = static_cast<std::size_t>(std::max(0.0, budget.amount));
   switch (budget.unit) {
     case FrameBudget::Unit::coefficients:
-      apply_batch(target, Budget::coefficients(amount), bake_.column_bytes(), report);
+      apply_batch(target, Budget::coefficients(amount), bytes_, report);
       break;
     case FrameBudget::Unit::bytes:
-      apply_batch(target, Budget::bytes(amount), bake_.column_bytes(), report);
+      apply_batch(target, Budget::bytes(amount), bytes_, report);
       break;
     case FrameBudget::Unit::milliseconds:
       update_until(target, budget.amount, report);

@@ -61,12 +61,21 @@ class FrameUpdater {
   UpdateReport update(const CubeLight& target, const FrameBudget& budget);
 
  private:
-  void plan(const CubeLight& target, const Budget& budget,
-            std::span<const std::uint32_t> column_bytes);
-  /// Plans and applies one batch; whether it added anything. `column_bytes`: what a budget of bytes
+  /// What columns cost, and their layers by themselves.
+  struct Costs {
+    std::vector<std::uint32_t> column;  // [columns]
+    std::vector<std::uint32_t> part;    // [parts]
+
+    std::uint64_t of(const ColumnDelta& delta) const;
+  };
+
+  static Costs count_bytes(const Bake& bake);
+  static Costs count_work(const Bake& bake);
+  void plan(const CubeLight& target, const Budget& budget, const Costs& costs);
+  /// Plans and applies one batch; whether it added anything. `costs`: what a budget of bytes
   /// counts.
-  bool apply_batch(const CubeLight& target, const Budget& budget,
-                   std::span<const std::uint32_t> column_bytes, UpdateReport& report);
+  bool apply_batch(const CubeLight& target, const Budget& budget, const Costs& costs,
+                   UpdateReport& report);
   void update_until(const CubeLight& target, double deadline_ms, UpdateReport& report);
   std::size_t band_image_bytes() const;
   /// What the cost model counts of the plan.
@@ -77,8 +86,9 @@ class FrameUpdater {
   std::unique_ptr<const UpdatePolicy> policy_;
   bool keeps_nothing_;  // the policy starts from zero each time
   Relighter& relighter_;
-  std::vector<std::uint32_t> column_cost_;  // [columns]
-  std::size_t largest_column_cost_;
+  Costs bytes_;
+  Costs work_;  // what the cost model counts
+  std::size_t most_work_of_a_column_;
   CostModel cost_;
   PlanWorkspace workspace_;
   UpdatePlan plan_;

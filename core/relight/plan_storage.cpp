@@ -9,12 +9,12 @@ Alternative alternative_of(BandAction action) {
 
 }  // namespace
 
-void PlanWorkspace::Storage::rank_all(const PlanRequest& request) {
-  const ColumnCosts costs(request);
+void PlanWorkspace::Storage::rank_all(const PlanRequest& request, const Candidates& candidates) {
+  const ColumnCosts costs(request, candidates);
   ranked.clear();
   for (int band = 0; band < request.basis.band_count(); ++band) {
     for (const auto alternative : {Alternative::increment, Alternative::reset}) {
-      ranked.add(request.basis, band, alternative, gains_of(alternative), costs);
+      ranked.add(candidates, band, alternative, gains_of(alternative), costs);
     }
   }
   ranked.sort();
@@ -22,15 +22,16 @@ void PlanWorkspace::Storage::rank_all(const PlanRequest& request) {
 
 void plan_best_columns(const PlanRequest& request, PlanWorkspace::Storage& storage,
                        UpdatePlan& plan) {
-  const ColumnCosts costs(request);
+  const auto candidates = Candidates::columns(request.basis);
+  const ColumnCosts costs(request, candidates);
   storage.ranked.clear();
   for (int band = 0; band < request.basis.band_count(); ++band) {
     const Alternative alternative = alternative_of(storage.actions[static_cast<std::size_t>(band)]);
-    storage.ranked.add(request.basis, band, alternative, storage.gains_of(alternative), costs);
+    storage.ranked.add(candidates, band, alternative, storage.gains_of(alternative), costs);
   }
   storage.ranked.sort();
   take_best(storage.ranked, ~ListSet{0}, costs, BudgetWalk(costs.budget()), storage.columns);
-  write_plan(request, storage.actions, storage.columns, plan);
+  write_plan(request, candidates, storage.actions, storage.columns, plan);
 }
 
 }  // namespace rimlight

@@ -25,7 +25,7 @@ struct PlanWorkspace::Storage {
     return gains[static_cast<std::size_t>(alternative)];
   }
   /// Ranks both lists of every band, from gains of both alternatives.
-  void rank_all(const PlanRequest& request);
+  void rank_all(const PlanRequest& request, const Candidates& candidates);
 };
 
 /// The plan that increments or resets bands as storage.actions say, and spends the budget on their

@@ -1,14 +1,41 @@
 #include "core/relight/plan_writer.h"
 
+#include <array>
 #include <bit>
 
 namespace rimlight {
 namespace {
 
-ColumnDelta delta_of(const PlanRequest& request, BandAction action, std::size_t column) {
-  const Vec3f target = request.target.at(column);
-  return {static_cast<std::uint32_t>(column),
-          action == BandAction::reset ? target : target - request.held.at(column)};
+/// What each layer of a column lacks.
+std::array<Vec3f, kLayers> deltas_of(const PlanRequest& request, BandAction action,
+                                     std::size_t column) {
+  std::array<Vec3f, kLayers> deltas;
+  deltas.fill(request.target.at(column));
+  if (action == BandAction::reset) return deltas;
+  for (std::size_t layer = 0; layer < kLayers; ++layer) {
+    deltas[layer] = deltas[layer] - request.held.layer(layer).at(column);
+  }
+  return deltas;
+}
+
+/// Calls visit(column, layers) for the columns of a set of candidates, in ascending order.
+template <typename Visit>
+void for_each_column(const Candidates& candidates, const ColumnSet& columns, const Visit& visit) {
+  const std::size_t per_column = candidates.are_parts() ? kLayers : 1;
+  std::size_t last = 0;
+  LayerSet layers = 0;
+  for (std::size_t word = 0; word < columns.words().size(); ++word) {
+    for (std::uint64_t bits = columns.words()[word]; bits != 0; bits &= bits - 1) {
+      const std::size_t candidate = 64 * word + static_cast<std::size_t>(std::countr_zero(bits));
+      const std::size_t column = candidate / per_column;
+      if (column != last && layers != 0) visit(last, layers);
+      if (column != last) layers = 0;
+      last = column;
+      layers |=
+          candidates.are_parts() ? static_cast<LayerSet>(1 << candidate % per_column) : kAllLayers;
+    }
+  }
+  if (layers != 0) visit(last, layers);
 }
 
 }  // namespace
@@ -19,23 +46,22 @@ std::size_t ColumnSet::size() const {
   return size;
 }
 
-void write_plan(const PlanRequest& request, const std::vector<BandAction>& actions,
-                const ColumnSet& columns, UpdatePlan& plan) {
+void write_plan(const PlanRequest& request, const Candidates& candidates,
+                const std::vector<BandAction>& actions, const ColumnSet& columns,
+                UpdatePlan& plan) {
   plan.bands.assign(actions.size(), {});
   plan.columns.clear();
   plan.columns.reserve(columns.size());
   std::size_t band = 0;
   std::size_t band_end = request.basis.band_begin(1);
-  for (std::size_t word = 0; word < columns.words().size(); ++word) {
-    for (std::uint64_t bits = columns.words()[word]; bits != 0; bits &= bits - 1) {
-      const std::size_t column = 64 * word + static_cast<std::size_t>(std::countr_zero(bits));
-      for (; column >= band_end; ++band) {
-        band_end = request.basis.band_begin(static_cast<int>(band) + 2);
-      }
-      plan.columns.push_back(delta_of(request, actions[band], column));
-      ++plan.bands[band].count;
+  for_each_column(candidates, columns, [&](std::size_t column, LayerSet layers) {
+    for (; column >= band_end; ++band) {
+      band_end = request.basis.band_begin(static_cast<int>(band) + 2);
     }
-  }
+    const std::size_t before = plan.columns.size();
+    append_deltas(column, deltas_of(request, actions[band], column), layers, plan.columns);
+    plan.bands[band].count += plan.columns.size() - before;
+  });
   std::size_t first = 0;
   for (band = 0; band < actions.size(); ++band) {
     BandUpdate& update = plan.bands[band];

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/relight/column_gains.h"
 #include "core/relight/policy.h"
 #include "core/relight/update_plan.h"
 
@@ -22,9 +23,10 @@ class ColumnSet {
   std::vector<std::uint64_t> words_;
 };
 
-/// The plan that treats bands as `actions` say (increment or reset, [bands]) and applies `columns`;
-/// an increment by no column becomes hold.
-void write_plan(const PlanRequest& request, const std::vector<BandAction>& actions,
-                const ColumnSet& columns, UpdatePlan& plan);
+/// The plan that treats bands as `actions` say (increment or reset, [bands]) and applies `columns`
+/// of the candidates; an increment by no column becomes hold. Layers of a column that have the same
+/// delta go together, those whose delta is zero are left out.
+void write_plan(const PlanRequest& request, const Candidates& candidates,
+                const std::vector<BandAction>& actions, const ColumnSet& columns, UpdatePlan& plan);
 
 }  // namespace rimlight

@@ -86,7 +86,9 @@ class PbiPolicy final : public UpdatePolicy {
 ///     update
 ///
 /// exact where columns of M are orthogonal, and right on average where the signs of r are random.
-/// Applying column j takes its terms out of E: that is its benefit. Choosing columns under a budget
+/// Applying column j takes its terms out of E: that is its benefit. Within a budget of bytes the
+/// layers of a column are columns of their own here (column_run.h): the few wide blocks of many
+/// columns mend far more than all blocks of a few. Choosing columns under a budget
 /// is a knapsack: in order of benefit per cost, and E is then above the least possible by at most
 /// the benefit of the first column that did not fit. No band has a quota.
 ///

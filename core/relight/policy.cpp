@@ -70,13 +70,16 @@ void UpdatePolicy::make_plan(const PlanRequest& request, PlanWorkspace& workspac
                              UpdatePlan& plan) const {
   const std::size_t columns = request.basis.coefficient_count();
   RIMLIGHT_CHECK_EQ(request.target.count(), columns);
-  RIMLIGHT_CHECK_EQ(request.held.count(), columns);
+  for (std::size_t layer = 0; layer < kLayers; ++layer) {
+    RIMLIGHT_CHECK_EQ(request.held.layer(layer).count(), columns);
+  }
   if (request.budget.unit == Budget::Unit::bytes) {
     if (request.column_bytes.empty()) {
       throw Error("budget", "bytes, and no sizes of the transport's columns",
                   "coefficients, or the sizes");
     }
     RIMLIGHT_CHECK_EQ(request.column_bytes.size(), columns);
+    RIMLIGHT_CHECK(request.part_bytes.empty() || request.part_bytes.size() == columns * kLayers);
   }
   workspace.storage().columns.clear(columns);
   plan_checked(request, workspace.storage(), plan);

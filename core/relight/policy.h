@@ -7,6 +7,7 @@
 
 #include "core/basis/cube_haar.h"
 #include "core/light/cube_light.h"
+#include "core/relight/held_light.h"
 #include "core/relight/update_plan.h"
 
 namespace rimlight {
@@ -26,13 +27,17 @@ struct Budget {
 struct PlanRequest {
   const CubeHaar& basis;
   const CubeLight& target;  // asked for
-  const CubeLight& held;    // what the image shows
+  HeldLight held;           // what the image shows
   Budget budget;
 
   // What is known of M's columns; empty where it is not.
   std::span<const float> column_norm_squared = {};   // [3][columns]: Σ M² over receivers, ≥ 0
   std::span<const std::uint32_t> column_bytes = {};  // [columns]: what applying a column reads
   std::size_t band_image_bytes = 0;                  // what clearing one band's image B_b writes
+
+  // The same of the columns' layers. With both, a policy may choose layers by themselves.
+  std::span<const float> part_norm_squared = {};   // [3][parts]
+  std::span<const std::uint32_t> part_bytes = {};  // [parts]
 };
 
 /// The weight of a coefficient of a band when sizes are compared across bands: √area, the area
@@ -73,8 +78,9 @@ class UpdatePolicy {
 
   /// A pure function of the request: replaces `plan`, allocates nothing once plan and workspace
   /// have grown. Never above the budget. The plan's columns ascend, and those whose delta is zero
-  /// are left out; of equals the lower index goes first; a band that would be incremented by no
-  /// column is held. Throws Error when the request lacks what the policy or the budget weighs by.
+  /// are left out; a column is whole unless the policy says otherwise; of equals the lower index
+  /// goes first; a band that would be incremented by no column is held. Throws Error when the
+  /// request lacks what the policy or the budget weighs by.
   void make_plan(const PlanRequest& request, PlanWorkspace& workspace, UpdatePlan& plan) const;
 
  private:

@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "core/relight/plan_storage.h"
 #include "core/relight/policies.h"
 
@@ -8,8 +6,10 @@ namespace rimlight {
 void BiPolicy::plan_checked(const PlanRequest& request, PlanWorkspace::Storage& storage,
                             UpdatePlan& plan) const {
   // From a light that holds nothing the two are the same.
-  const bool starts =
-      std::ranges::all_of(request.held.values, [](float value) { return value == 0; });
+  bool starts = true;
+  for (int band = 0; band < request.basis.band_count(); ++band) {
+    starts = starts && holds_nothing(request, band);
+  }
   const Alternative alternative = starts ? Alternative::reset : Alternative::increment;
   measure_sizes(request, selection_, alternative, storage.gains_of(alternative));
   storage.actions.assign(static_cast<std::size_t>(request.basis.band_count()),

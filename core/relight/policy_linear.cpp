@@ -5,7 +5,8 @@ namespace rimlight {
 
 void LinearPolicy::plan_checked(const PlanRequest& request, PlanWorkspace::Storage& storage,
                                 UpdatePlan& plan) const {
-  const ColumnCosts costs(request);
+  const auto columns = Candidates::columns(request.basis);
+  const ColumnCosts costs(request, columns);
   std::uint64_t left = costs.budget();
   for (std::size_t column = 0; column < request.target.count(); ++column) {
     if (costs.of(column) > left) break;
@@ -13,7 +14,7 @@ void LinearPolicy::plan_checked(const PlanRequest& request, PlanWorkspace::Stora
     if (request.target.at(column) != Vec3f{}) storage.columns.insert(column);
   }
   storage.actions.assign(static_cast<std::size_t>(request.basis.band_count()), BandAction::reset);
-  write_plan(request, storage.actions, storage.columns, plan);
+  write_plan(request, columns, storage.actions, storage.columns, plan);
 }
 
 }  // namespace rimlight

@@ -41,16 +41,17 @@ std::size_t digit_of(const RankedColumns::Entry& entry, unsigned shift) {
 
 void RankedColumns::clear() { count_ = 0; }
 
-void RankedColumns::add(const CubeHaar& basis, int band, Alternative alternative,
+void RankedColumns::add(const Candidates& candidates, int band, Alternative alternative,
                         const ColumnGains& gains, const ColumnCosts& costs) {
-  RIMLIGHT_CHECK(basis.coefficient_count() <= kMostColumns);
+  RIMLIGHT_CHECK(candidates.count() <= kMostColumns);
   const int list = list_of(band, alternative);
   RIMLIGHT_CHECK(list < kMostLists);
-  const std::size_t begin = basis.band_begin(band), size = basis.band_begin(band + 1) - begin;
+  const std::size_t begin = candidates.band_begin(band);
+  const std::size_t size = candidates.band_begin(band + 1) - begin;
   const auto ranks = std::span(gains.rank).subspan(begin, size);
   const std::uint32_t lowest = lowest_rank(ranks, begin, costs, bucket_costs_);
   lowest_rank_[static_cast<std::size_t>(list)] = lowest;
-  entries_.resize(2 * basis.coefficient_count() + 1);  // all there can be, and one to write beyond
+  entries_.resize(2 * candidates.count() + 1);  // all there can be, and one to write beyond
   for (std::size_t i = 0; i < size; ++i) {
     entries_[count_] = Entry(ranks[i], begin + i, list);
     count_ += ranks[i] >= lowest;
@@ -74,15 +75,15 @@ void RankedColumns::sort() {
   }
 }
 
-double RankedColumns::gains_left_out(const CubeHaar& basis, int band, Alternative alternative,
-                                     const ColumnGains& gains) const {
+double RankedColumns::gains_left_out(const Candidates& candidates, int band,
+                                     Alternative alternative, const ColumnGains& gains) const {
   const std::uint32_t lowest = lowest_rank_[static_cast<std::size_t>(list_of(band, alternative))];
   const auto gain = [&](std::size_t i) {
     return gains.rank[i] < lowest ? double{gains.gain[i]} : 0.0;
   };
-  const std::size_t end = basis.band_begin(band + 1);
+  const std::size_t end = candidates.band_begin(band + 1);
   double sums[4] = {};  // side by side, which the compiler may put into one vector
-  std::size_t i = basis.band_begin(band);
+  std::size_t i = candidates.band_begin(band);
   for (; i + 4 <= end; i += 4) {
     for (std::size_t k = 0; k < 4; ++k) sums[k] += gain(i + k);
   }

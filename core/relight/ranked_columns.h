@@ -43,14 +43,14 @@ class RankedColumns {
   /// No lists.
   void clear();
   /// Adds a list; lists ascend.
-  void add(const CubeHaar& basis, int band, Alternative alternative, const ColumnGains& gains,
-           const ColumnCosts& costs);
+  void add(const Candidates& candidates, int band, Alternative alternative,
+           const ColumnGains& gains, const ColumnCosts& costs);
   /// Best first; of equals those of lower lists, and in a list of lower index, first.
   void sort();
 
   std::span<const Entry> entries() const { return {entries_.data(), count_}; }
   /// Σ of gains of a list's columns that are not among the entries; 0 exactly when all are.
-  double gains_left_out(const CubeHaar& basis, int band, Alternative alternative,
+  double gains_left_out(const Candidates& candidates, int band, Alternative alternative,
                         const ColumnGains& gains) const;
 
  private:

@@ -12,7 +12,8 @@ namespace rimlight {
 
 Relighter::Relighter(const TransportView& transport, const ReceiverValues& reflectance,
                      const CubeHaar& basis)
-    : transport_(transport), reflectance_(reflectance), basis_(basis), held_(basis.size()) {
+    : transport_(transport), reflectance_(reflectance), basis_(basis) {
+  held_.fill(CubeLight(basis.size()));
   RIMLIGHT_CHECK_EQ(transport.column_count(), basis.coefficient_count());
   RIMLIGHT_CHECK_EQ(reflectance.tile_count(), transport.tile_count());
   const auto bands = static_cast<std::size_t>(basis.band_count());
@@ -21,8 +22,8 @@ Relighter::Relighter(const TransportView& transport, const ReceiverValues& refle
     fresh_.emplace_back(transport.tile_count());
   }
   zero_.assign(bands, true);
-  exact_plan_.bands.reserve(bands);  // the first rebuild may come late
-  exact_plan_.columns.reserve(basis.coefficient_count());
+  fresh_plan_.bands.reserve(bands);  // the first rebuild may come late
+  fresh_plan_.columns.reserve(basis.coefficient_count());
 }
 
 void Relighter::update_tile(const UpdatePlan& plan, std::size_t tile,
@@ -47,22 +48,30 @@ void Relighter::move_held(const UpdatePlan& plan, const CubeLight& target) {
     if (update.action == BandAction::reset) {
       const std::size_t begin = basis_.band_begin(static_cast<int>(b));
       const std::size_t end = basis_.band_begin(static_cast<int>(b) + 1);
-      for (int c = 0; c < 3; ++c)
-        std::ranges::fill(held_.channel(c).subspan(begin, end - begin), 0);
+      for (CubeLight& layer : held_) {
+        for (int c = 0; c < 3; ++c) {
+          std::ranges::fill(layer.channel(c).subspan(begin, end - begin), 0.0f);
+        }
+      }
       zero_[b] = true;
     }
     if (update.count > 0) zero_[b] = false;
   }
-  last_terms_ = plan.columns.size();
+  last_terms_ = plan.column_count();
   // The target itself, not held + delta, which may round beside it.
   for (const ColumnDelta& column : plan.columns) {
-    for (int c = 0; c < 3; ++c) held_.channel(c)[column.column] = target.channel(c)[column.column];
+    for (std::size_t layer = 0; layer < kLayers; ++layer) {
+      if ((column.layers >> layer & 1) == 0) continue;
+      for (int c = 0; c < 3; ++c) {
+        held_[layer].channel(c)[column.column] = target.channel(c)[column.column];
+      }
+    }
   }
 }
 
 void Relighter::apply(const UpdatePlan& plan, const CubeLight& target) {
   RIMLIGHT_CHECK_EQ(plan.bands.size(), images_.size());
-  RIMLIGHT_CHECK_EQ(target.count(), held_.count());
+  RIMLIGHT_CHECK_EQ(target.count(), basis_.coefficient_count());
   RIMLIGHT_CHECK(plan.columns.empty() || plan.columns.back().column < transport_.column_count());
   if (!plan.columns.empty()) {
     const auto update = [&](std::size_t tile) { update_tile(plan, tile, images_); };
@@ -78,48 +87,49 @@ void Relighter::rebuild_tiles(std::size_t columns) {
   tiles_rebuilt_ = std::min(rebuild_credit_ / kMostAdditions, tile_count());
   if (tiles_rebuilt_ == 0) return;
   rebuild_credit_ -= tiles_rebuilt_ * kMostAdditions;
-  plan_exact(held_);
+  plan_afresh(held_);
   // A band that came back to black column by column shows rounding alone: none of it is kept.
-  for (std::size_t b = 0; b < images_.size(); ++b) zero_[b] = exact_plan_.bands[b].count == 0;
+  for (std::size_t b = 0; b < images_.size(); ++b) zero_[b] = fresh_plan_.bands[b].count == 0;
   const auto rebuild = [this](std::size_t i) {
-    update_tile(exact_plan_, (next_rebuilt_ + i) % tile_count(), images_);
+    update_tile(fresh_plan_, (next_rebuilt_ + i) % tile_count(), images_);
   };
   parallel_for(tiles_rebuilt_, std::cref(rebuild));
   next_rebuilt_ = (next_rebuilt_ + tiles_rebuilt_) % tile_count();
 }
 
-void Relighter::plan_exact(const CubeLight& target) {
-  exact_plan_.bands.assign(images_.size(), {});
-  exact_plan_.columns.clear();
+void Relighter::plan_afresh(const HeldLight& light) {
+  fresh_plan_.bands.assign(images_.size(), {});
+  fresh_plan_.columns.clear();
   for (std::size_t b = 0; b < images_.size(); ++b) {
-    BandUpdate& update = exact_plan_.bands[b];
-    update = {BandAction::reset, exact_plan_.columns.size(), 0};
+    BandUpdate& update = fresh_plan_.bands[b];
+    update = {BandAction::reset, fresh_plan_.columns.size(), 0};
     for (auto i = basis_.band_begin(static_cast<int>(b));
          i < basis_.band_begin(static_cast<int>(b) + 1); ++i) {
-      const Vec3f value = target.at(i);
-      if (value == Vec3f{}) continue;
-      exact_plan_.columns.push_back({static_cast<std::uint32_t>(i), value});
+      std::array<Vec3f, kLayers> values;
+      for (std::size_t layer = 0; layer < kLayers; ++layer)
+        values[layer] = light.layer(layer).at(i);
+      append_deltas(i, values, kAllLayers, fresh_plan_.columns);
     }
-    update.count = exact_plan_.columns.size() - update.first;
+    update.count = fresh_plan_.columns.size() - update.first;
   }
 }
 
 bool Relighter::apply_exact(const CubeLight& target, const std::function<bool()>& abandon) {
-  RIMLIGHT_CHECK_EQ(target.count(), held_.count());
-  plan_exact(target);
+  RIMLIGHT_CHECK_EQ(target.count(), basis_.coefficient_count());
+  plan_afresh(target);
   std::atomic<bool> abandoned = false;
   const auto update = [&](std::size_t tile) {
     if (abandoned.load(std::memory_order_relaxed)) return;
     if (abandon && abandon()) {
       abandoned.store(true, std::memory_order_relaxed);
     } else {
-      update_tile(exact_plan_, tile, fresh_);
+      update_tile(fresh_plan_, tile, fresh_);
     }
   };
   parallel_for(tile_count(), std::cref(update));
   if (abandoned) return false;
   images_.swap(fresh_);
-  move_held(exact_plan_, target);
+  move_held(fresh_plan_, target);
   return true;
 }
 

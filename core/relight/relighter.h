@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -7,6 +8,7 @@
 
 #include "core/basis/cube_haar.h"
 #include "core/light/cube_light.h"
+#include "core/relight/held_light.h"
 #include "core/relight/update_plan.h"
 #include "core/transport/receivers.h"
 #include "core/transport/transport.h"
@@ -28,8 +30,8 @@ class Relighter {
   Relighter(const TransportView& transport, const ReceiverValues& reflectance,
             const CubeHaar& basis);
 
-  /// The light that the image shows, L̃: coefficients.
-  const CubeLight& held() const { return held_; }
+  /// The light that the image shows, L̃: coefficients, by layers of transport.
+  HeldLight held() const { return held_; }
 
   /// Applies a plan made for `target` and held(): resets bands, adds columns, moves held(). And
   /// rebuilds some tiles afresh from what is held, so that rounding never shows: each addition
@@ -63,17 +65,17 @@ class Relighter {
                    std::vector<ReceiverValues>& images) const;
   void sum_bands(std::size_t tile, std::span<float, kTileFloats> held) const;
   void move_held(const UpdatePlan& plan, const CubeLight& target);
-  void plan_exact(const CubeLight& target);
+  void plan_afresh(const HeldLight& light);
   void rebuild_tiles(std::size_t columns);
 
   TransportView transport_;
   const ReceiverValues& reflectance_;
   CubeHaar basis_;
-  CubeLight held_;
+  std::array<CubeLight, kLayers> held_;
   std::vector<ReceiverValues> images_;  // [band]
   std::vector<bool> zero_;              // [band]: the image counts as zero, whatever it holds
   std::vector<ReceiverValues> fresh_;   // where the exact product grows until it is whole
-  UpdatePlan exact_plan_;
+  UpdatePlan fresh_plan_;
   std::size_t last_terms_ = 0;
   std::size_t tiles_rebuilt_ = 0;
   std::size_t next_rebuilt_ = 0;    // tile, in turn

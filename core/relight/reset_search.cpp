@@ -42,7 +42,7 @@ const ResetAnswer& ResetSearch::run(const ResetQuestion& question) {
 /// Forwards for the costs before each block, backwards for the gains behind it.
 void ResetSearch::sum_blocks(const ResetQuestion& question) {
   const auto entries = question.ranked.entries();
-  const ColumnCosts costs(question.request);
+  const ColumnCosts costs(question.request, question.candidates);
   const int bands = question.request.basis.band_count();
   lists_ = 2 * static_cast<std::size_t>(bands);
   blocks_ = (entries.size() + kBlock - 1) / kBlock;
@@ -61,7 +61,7 @@ void ResetSearch::sum_blocks(const ResetQuestion& question) {
     for (const auto alternative : {Alternative::increment, Alternative::reset}) {
       const auto list = static_cast<std::size_t>(RankedColumns::list_of(band, alternative));
       sums_[blocks_ * lists_ + list].gain_behind = question.ranked.gains_left_out(
-          question.request.basis, band, alternative, question.gains[list % 2]);
+          question.candidates, band, alternative, question.gains[list % 2]);
     }
   }
   for (std::size_t block = blocks_; block-- > 0;) {
@@ -131,7 +131,7 @@ std::uint64_t ResetSearch::cost_before(const Combination& combination, std::size
 ResetSearch::Outcome ResetSearch::outcome(const ResetQuestion& question,
                                           const Combination& combination) const {
   const auto entries = question.ranked.entries();
-  const ColumnCosts costs(question.request);
+  const ColumnCosts costs(question.request, question.candidates);
   const std::uint64_t budget = question.request.budget.amount - combination.cost;
   // The last block that the budget reaches with all before it: everything there was applied.
   std::size_t block = 0, beyond = blocks_ + 1;

@@ -12,6 +12,7 @@ namespace rimlight {
 /// What a search for the bands to reset is given.
 struct ResetQuestion {
   const PlanRequest& request;
+  const Candidates& candidates;
   const RankedColumns& ranked;              // both lists of each band, sorted
   const std::array<ColumnGains, 2>& gains;  // [Alternative]
   std::uint64_t reset_cost;                 // of a band that holds something

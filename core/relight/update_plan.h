@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -7,6 +8,11 @@
 #include "core/transport/column_kernel.h"
 
 namespace rimlight {
+
+/// Appends some layers of a column, each with its delta: those that have the same go together,
+/// those whose delta is zero are left out.
+void append_deltas(std::size_t column, const std::array<Vec3f, kLayers>& deltas, LayerSet layers,
+                   std::vector<ColumnDelta>& columns);
 
 /// What happens to a band's image B_i and its held coefficients before columns are added:
 ///   hold       nothing; no column is added either
@@ -21,10 +27,14 @@ struct BandUpdate {
 };
 
 /// How the next image comes about: for each band, coarsest first, what to do and which columns to
-/// add. Columns ascend, so that the kernel streams through the transport.
+/// add. Columns ascend, so that the kernel streams through the transport; one may come several
+/// times, with different layers.
 struct UpdatePlan {
   std::vector<BandUpdate> bands;     // [bands of the basis]
   std::vector<ColumnDelta> columns;  // all bands', ascending
+
+  /// Columns, however many layers of each.
+  std::size_t column_count() const;
 };
 
 }  // namespace rimlight

@@ -1,6 +1,7 @@
 #include "core/report/timed_run.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "core/base/check.h"
@@ -41,7 +42,8 @@ class Player {
         updater_(bake, haar_, policy.policy, relighter_),
         display_(bake.manifest().pixels, bake.manifest().camera, bake.coverage()),
         estimator_(bake.sketch()),
-        target_(haar_.size()) {
+        target_(haar_.size()),
+        shares_(layer_shares(bake.sketch())) {
     RIMLIGHT_CHECK(relighter_.apply_exact(sequence.frames.front().target, {}));
     // What displaying and encoding take is known before the first deadline.
     FrameRow ignored;
@@ -58,10 +60,12 @@ class Player {
     row.moving = sequence_.frames[static_cast<std::size_t>(index)].moving;
     still_frames_ = row.moving ? 0 : still_frames_ + 1;
     row.frames_since_edit = index == 0 ? still_frames_ = 0 : still_frames_;
-    const CubeLight before = relighter_.held();
+    for (std::size_t layer = 0; layer < kLayers; ++layer) {
+      before_[layer] = relighter_.held().layer(layer);
+    }
     move(index, row);
     show(index, row);
-    find_chosen(before, row, chosen);
+    find_chosen(row, chosen);
     measure(row);
     return row;
   }
@@ -77,6 +81,7 @@ class Player {
     row.ms.plan = update.plan_ms;
     row.ms.apply = std::max(0.0, watch.lap_ms() - update.plan_ms);
     row.columns = update.columns;
+    row.bytes = update.bytes;
     row.reset_bands = update.reset_bands;
   }
 
@@ -99,19 +104,26 @@ class Player {
 
   float exposure() const { return static_cast<float>(sequence_.frames.front().exposure); }
 
-  /// Columns that the update wrote: those whose held value moved, or that a reset band now has.
-  void find_chosen(const CubeLight& before, FrameRow& row, std::vector<std::uint32_t>& chosen) {
+  /// Columns that the update wrote, in any layer: whose held value moved, or that a reset band now
+  /// has.
+  void find_chosen(FrameRow& row, std::vector<std::uint32_t>& chosen) {
     row.columns_of_band.resize(static_cast<std::size_t>(haar_.band_count()));
     for (int band = 0; band < haar_.band_count(); ++band) {
       const bool reset = (row.reset_bands >> band & 1) != 0;
       for (std::size_t i = haar_.band_begin(band); i < haar_.band_begin(band + 1); ++i) {
-        const Vec3f now = relighter_.held().at(i);
-        if (now == (reset ? Vec3f{} : before.at(i))) continue;
+        if (!was_written(i, reset)) continue;
         chosen.push_back(static_cast<std::uint32_t>(i));
         ++row.columns_of_band[static_cast<std::size_t>(band)];
-        row.bytes += bake_.column_bytes()[i];
       }
     }
+  }
+
+  bool was_written(std::size_t column, bool reset) const {
+    for (std::size_t layer = 0; layer < kLayers; ++layer) {
+      const Vec3f before = reset ? Vec3f{} : before_[layer].at(column);
+      if (relighter_.held().layer(layer).at(column) != before) return true;
+    }
+    return false;
   }
 
   void measure(FrameRow& row) {
@@ -123,13 +135,12 @@ class Player {
     row.psnr_time_db = display_psnr(image_, frame.exact, frame.exposure);
     row.compression_l2 = frame.compression_l2;
     const double size = weighted_size(haar_, frame.target);
-    if (size > 0) {
-      row.lighting_error = weighted_distance(haar_, frame.target, relighter_.held()) / size;
-    }
+    find_mean(relighter_.held(), shares_, mean_held_);
+    if (size > 0) row.lighting_error = weighted_distance(haar_, frame.target, mean_held_) / size;
     if (image_norm_ > 0) {
       row.estimate = estimator_.estimate(frame.target, relighter_.held()).error / image_norm_;
     }
-    const GhostEnergy ghosts = find_ghosts(haar_, frame.target, relighter_.held());
+    const GhostEnergy ghosts = find_ghosts(haar_, frame.target, mean_held_);
     row.ghost = ghosts.held;
     row.ghost_of_target = ghosts.target;
   }
@@ -144,7 +155,9 @@ class Player {
   Display display_;
   ErrorEstimator estimator_;
   JpegEncoder encoder_;
-  CubeLight texels_, target_;
+  CubeLight texels_, target_, mean_held_;
+  std::array<CubeLight, kLayers> before_;  // the frame
+  std::array<float, kLayers> shares_;
   Rgb8Image picture_;
   std::vector<std::uint8_t> jpeg_;
   std::vector<Vec3f> image_;

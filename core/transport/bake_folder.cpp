@@ -43,6 +43,7 @@ Bake::Bake(const std::filesystem::path& folder) : folder_(folder) {
   transport_ = read_transport(file(kTransportFile), path(kTransportFile),
                               manifest_.pixels.tile_count(), columns);
   column_bytes_ = count_column_bytes(transport_);
+  part_sizes_ = measure_parts(transport_);
   coverage_ = read_coverage(file(kPixelsFile), path(kPixelsFile), manifest_.pixels);
   reflectance_ = read_reflectance(file(kPixelsFile), path(kPixelsFile), manifest_.pixels);
   sketch_ = read_sketch(file(kSketchFile), path(kSketchFile), columns);

@@ -21,7 +21,7 @@
 
 namespace rimlight {
 
-inline constexpr int kBakeVersion = 2;
+inline constexpr int kBakeVersion = 3;
 
 /// Files of a bake; docs/formats/bake.md has the tensors of each.
 inline constexpr const char* kManifestFile = "manifest.json";
@@ -117,6 +117,8 @@ class Bake {
   const Sketch& sketch() const { return sketch_; }
   /// count_column_bytes() of the transport.
   const std::vector<std::uint32_t>& column_bytes() const { return column_bytes_; }
+  /// measure_parts() of the transport.
+  const std::vector<PartSize>& part_sizes() const { return part_sizes_; }
   const std::vector<BakedEnvironment>& environments() const { return environments_; }
   /// Names and bytes of the files on disk, for inspect.
   std::vector<std::pair<std::string, std::uint64_t>> files() const { return file_sizes_; }
@@ -136,6 +138,7 @@ class Bake {
   TransportView transport_;
   std::vector<float> coverage_;
   std::vector<std::uint32_t> column_bytes_;
+  std::vector<PartSize> part_sizes_;
   ReceiverValues reflectance_;
   Sketch sketch_;
   std::vector<BakedEnvironment> environments_;

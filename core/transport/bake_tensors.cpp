@@ -80,18 +80,20 @@ ReceiverValues read_reflectance(const TensorFile& file, const std::string& path,
 }
 
 std::vector<TensorShape> sketch_tensors(std::size_t column_count) {
-  return {{"stored", ElementType::u8, {3, column_count, kSketchRows}},
+  return {{"stored", ElementType::u8, {3, column_count, kLayers, kSketchRows}},
           {"error", ElementType::u8, {3, column_count, kSketchRows}},
-          {"stored_scale", ElementType::f32, {3, column_count}},
+          {"stored_scale", ElementType::f32, {3, column_count, kLayers}},
           {"error_scale", ElementType::f32, {3, column_count}},
-          {"norm_squared", ElementType::f32, {3, column_count}}};
+          {"norm_squared", ElementType::f32, {3, column_count}},
+          {"part_norm_squared", ElementType::f32, {3, column_count, kLayers}}};
 }
 
 void write_sketch(TensorFileWriter& writer, const Sketch& sketch) {
   for (const auto* bytes : {&sketch.stored, &sketch.error}) {
     writer.append(std::span<const std::int8_t>(*bytes));
   }
-  for (const auto* values : {&sketch.stored_scale, &sketch.error_scale, &sketch.norm_squared}) {
+  for (const auto* values : {&sketch.stored_scale, &sketch.error_scale, &sketch.norm_squared,
+                             &sketch.part_norm_squared}) {
     writer.append(std::span<const float>(*values));
   }
 }
@@ -110,7 +112,9 @@ Sketch read_sketch(const TensorFile& file, const std::string& path, std::size_t 
   copy(file.tensor<float>("norm_squared", ElementType::f32), sketch.norm_squared);
   expect_sizes(sketch.stored_scale, path, "stored_scale");
   expect_sizes(sketch.error_scale, path, "error_scale");
+  copy(file.tensor<float>("part_norm_squared", ElementType::f32), sketch.part_norm_squared);
   expect_sizes(sketch.norm_squared, path, "norm_squared");
+  expect_sizes(sketch.part_norm_squared, path, "part_norm_squared");
   return sketch;
 }
 

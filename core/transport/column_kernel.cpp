@@ -68,6 +68,30 @@ struct Blocks {
   const uint16_t* index;
 };
 
+/// A run's blocks by width.
+struct RunBlocks {
+  Blocks of_width[kWidths];
+
+  explicit HWY_INLINE RunBlocks(const ColumnRun& run) {
+    const uint16_t* count = run.counts();
+    const uint8_t* values = run.values();
+    for (size_t width = 0; width < kWidths; ++width, count += kPlanes) {
+      const size_t luma = count[0], with_first = luma + count[1], all = with_first + count[2];
+      of_width[width] = {luma, with_first, all, values, nullptr};
+      values += all * kBlockBytes[width];
+    }
+    const auto* index = reinterpret_cast<const uint16_t*>(values);
+    for (Blocks& blocks : of_width) {
+      blocks.index = index;
+      index += blocks.count;
+    }
+  }
+};
+
+HWY_INLINE bool has_layer(LayerSet layers, ValueWidth width) {
+  return (layers >> layer_of(width) & 1) != 0;
+}
+
 /// to[8] += factor · value[8], from lane `i` on.
 HWY_INLINE void add_product(hn::Vec<Floats> factor, hn::Vec<Floats> value, float* to) {
   const Floats floats;
@@ -133,30 +157,26 @@ HWY_INLINE void add_blocks(const Blocks& blocks, const PlaneDeltas<kSessions>& d
 }
 
 template <size_t kSessions>
-HWY_INLINE void add_run(const ColumnRun& run, const PlaneDeltas<kSessions>& deltas,
+HWY_INLINE void add_run(const ColumnRun& run, LayerSet layers, const PlaneDeltas<kSessions>& deltas,
                         float* const* held) {
-  Blocks blocks[kWidths];
-  const uint16_t* count = run.counts();
-  const uint8_t* values = run.values();
-  for (size_t width = 0; width < kWidths; ++width, count += kPlanes) {
-    const size_t luma = count[0], with_first = luma + count[1], all = with_first + count[2];
-    blocks[width] = {luma, with_first, all, values, nullptr};
-    values += all * kBlockBytes[width];
+  const RunBlocks blocks(run);
+  if (has_layer(layers, ValueWidth::word)) {
+    add_blocks<Full, kSessions>(blocks.of_width[0], deltas, held);
+    add_blocks<Word, kSessions>(blocks.of_width[1], deltas, held);
   }
-  const auto* index = reinterpret_cast<const uint16_t*>(values);
-  for (Blocks& of_width : blocks) {
-    of_width.index = index;
-    index += of_width.count;
+  if (has_layer(layers, ValueWidth::byte)) {
+    add_blocks<Byte, kSessions>(blocks.of_width[2], deltas, held);
   }
-  add_blocks<Full, kSessions>(blocks[0], deltas, held);
-  add_blocks<Word, kSessions>(blocks[1], deltas, held);
-  add_blocks<Byte, kSessions>(blocks[2], deltas, held);
-  add_blocks<Nibble, kSessions>(blocks[3], deltas, held);
+  if (has_layer(layers, ValueWidth::nibble)) {
+    add_blocks<Nibble, kSessions>(blocks.of_width[3], deltas, held);
+  }
 }
 
 /// Runs are short and lie far apart, where the hardware's prefetcher cannot follow: first the
-/// offsets of a column well ahead, then, when those have come, the run of a column less far ahead.
-constexpr size_t kOffsetsAhead = 8;
+/// offsets of a column well ahead; when those have come, the counts of a column of which only some
+/// layers are wanted; and then what is wanted of a column less far ahead.
+constexpr size_t kOffsetsAhead = 12;
+constexpr size_t kCountsAhead = 8;
 constexpr size_t kRunAhead = 4;
 constexpr size_t kMostPrefetchedBytes = 16384;  // a few runs of it fit the second-level cache
 constexpr size_t kCacheLine = 64;
@@ -166,11 +186,29 @@ HWY_INLINE void prefetch_offsets(const TransportView& transport, size_t tile, si
   hwy::Prefetch(arrays.run_offset.data() + tile * (arrays.column_count + 1) + column);
 }
 
-HWY_INLINE void prefetch_run(const TransportView& transport, size_t tile, size_t column) {
-  const auto words = transport.run(tile, column).words();
-  const auto* const bytes = reinterpret_cast<const char*>(words.data());
-  const size_t size = HWY_MIN(words.size_bytes(), kMostPrefetchedBytes);
+HWY_INLINE void prefetch(const void* from, size_t size) {
+  const auto* const bytes = static_cast<const char*>(from);
+  size = HWY_MIN(size, kMostPrefetchedBytes);
   for (size_t at = 0; at < size; at += kCacheLine) hwy::Prefetch(bytes + at);
+}
+
+HWY_INLINE void prefetch_counts(const TransportView& transport, size_t tile, size_t column,
+                                LayerSet layers) {
+  if (layers != kAllLayers) hwy::Prefetch(transport.run(tile, column).words().data());
+}
+
+HWY_INLINE void prefetch_run(const TransportView& transport, size_t tile, size_t column,
+                             LayerSet layers) {
+  const ColumnRun run = transport.run(tile, column);
+  if (layers == kAllLayers) return prefetch(run.words().data(), run.words().size_bytes());
+  if (run.empty()) return;
+  const RunBlocks blocks(run);
+  for (size_t width = 0; width < kWidths; ++width) {
+    const Blocks& of_width = blocks.of_width[width];
+    if (of_width.count == 0 || !has_layer(layers, static_cast<ValueWidth>(width))) continue;
+    prefetch(of_width.values, of_width.count * kBlockBytes[width]);
+    prefetch(of_width.index, of_width.count * sizeof(uint16_t));
+  }
 }
 
 /// Columns with a delta for each of the sessions; `Columns` says which and what.
@@ -180,15 +218,23 @@ HWY_INLINE void add_all(const TransportView& transport, size_t tile, const Colum
   for (size_t i = 0; i < HWY_MIN(count, kOffsetsAhead); ++i) {
     prefetch_offsets(transport, tile, columns.column(i));
   }
+  for (size_t i = 0; i < HWY_MIN(count, kCountsAhead); ++i) {
+    prefetch_counts(transport, tile, columns.column(i), columns.layers(i));
+  }
   for (size_t i = 0; i < HWY_MIN(count, kRunAhead); ++i) {
-    prefetch_run(transport, tile, columns.column(i));
+    prefetch_run(transport, tile, columns.column(i), columns.layers(i));
   }
   PlaneDeltas<kSessions> deltas;
   for (size_t i = 0; i < count; ++i) {
     if (i + kOffsetsAhead < count) {
       prefetch_offsets(transport, tile, columns.column(i + kOffsetsAhead));
     }
-    if (i + kRunAhead < count) prefetch_run(transport, tile, columns.column(i + kRunAhead));
+    if (const size_t k = i + kCountsAhead; k < count) {
+      prefetch_counts(transport, tile, columns.column(k), columns.layers(k));
+    }
+    if (const size_t k = i + kRunAhead; k < count) {
+      prefetch_run(transport, tile, columns.column(k), columns.layers(k));
+    }
     const size_t column = columns.column(i);
     const ColumnRun run = transport.run(tile, column);
     if (run.empty()) continue;
@@ -199,7 +245,7 @@ HWY_INLINE void add_all(const TransportView& transport, size_t tile, const Colum
         for (int c = 0; c < 3; ++c) deltas.value[plane][session][c] = delta[c];
       }
     }
-    add_run<kSessions>(run, deltas, held);
+    add_run<kSessions>(run, columns.layers(i), deltas, held);
   }
 }
 
@@ -208,6 +254,7 @@ void add_columns_lanes(const TransportView& transport, size_t tile, const Column
   struct One {
     const ColumnDelta* columns;
     size_t column(size_t i) const { return columns[i].column; }
+    LayerSet layers(size_t i) const { return columns[i].layers; }
     const Vec3f& delta(size_t i, size_t) const { return columns[i].delta; }
   };
   add_all<1>(transport, tile, One{columns}, count, &held);
@@ -223,6 +270,7 @@ HWY_NOINLINE void add_columns_to(const TransportView& transport, size_t tile,
     const Vec3f* deltas;
     size_t sessions;
     size_t column(size_t i) const { return columns[i]; }
+    LayerSet layers(size_t) const { return kAllLayers; }
     const Vec3f& delta(size_t i, size_t session) const { return deltas[i * sessions + session]; }
   };
   add_all<kSessions>(transport, tile, Many{columns, deltas, sessions}, count, held);

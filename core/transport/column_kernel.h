@@ -9,10 +9,12 @@
 
 namespace rimlight {
 
-/// One column of an update: T_c += delta_c · M[column] per channel (receiver_planes.h has T).
+/// One column of an update, or some layers of it: T_c += delta_c · M[column] per channel
+/// (receiver_planes.h has T).
 struct ColumnDelta {
   std::uint32_t column = 0;
   Vec3f delta;
+  LayerSet layers = kAllLayers;
 };
 
 /// Adds columns' runs of one tile to what that tile holds, in the order given:

@@ -151,11 +151,10 @@ void RunCursor::next() {
 
 RunBlock RunCursor::block() const {
   RunBlock block{section_ % kPlanes, *index_, {}};
-  const auto width = static_cast<ValueWidth>(width_of(section_));
-  if (width == ValueWidth::full) read_values<float>(values_, block.value);
-  if (width == ValueWidth::word) read_values<std::int16_t>(values_, block.value);
-  if (width == ValueWidth::byte) read_values<std::int8_t>(values_, block.value);
-  if (width == ValueWidth::nibble) {
+  if (width() == ValueWidth::full) read_values<float>(values_, block.value);
+  if (width() == ValueWidth::word) read_values<std::int16_t>(values_, block.value);
+  if (width() == ValueWidth::byte) read_values<std::int8_t>(values_, block.value);
+  if (width() == ValueWidth::nibble) {
     std::uint32_t nibbles = 0;
     std::memcpy(&nibbles, values_, sizeof nibbles);
     for (std::size_t i = 0; i < kBlockReceivers; ++i) {

@@ -20,6 +20,22 @@ inline constexpr std::array<std::size_t, kWidths> kBlockBytes = {32, 16, 8, 4};
 /// The largest magnitude that a whole number of each width but `full` takes.
 inline constexpr std::array<int, kWidths> kLargestValue = {0, 32767, 127, 7};
 
+/// A column is added whole or in layers, by how wide its blocks are: the few wide ones hold nearly
+/// all of a column's energy (of the default scene 70 to 99 %, in 4 to 12 % of the blocks), and the
+/// many narrow ones fill in the rest. Layers:  0 full and word, 1 byte, 2 nibble.
+inline constexpr std::size_t kLayers = 3;
+constexpr std::size_t layer_of(ValueWidth width) {
+  return width == ValueWidth::nibble ? 2 : width == ValueWidth::byte ? 1 : 0;
+}
+/// A set of layers: bit `layer`.
+using LayerSet = std::uint8_t;
+inline constexpr LayerSet kAllLayers = (1 << kLayers) - 1;
+
+/// A layer of a column; parts are in order of columns.
+constexpr std::size_t part_of(std::size_t column, std::size_t layer) {
+  return column * kLayers + layer;
+}
+
 /// One column's run in one tile, as it lies in memory and in the file; little-endian:
 ///
 ///     u16 count[width][plane]            blocks of each section, 24 bytes
@@ -78,6 +94,7 @@ class RunCursor {
   bool at_end() const { return section_ == ColumnRun::kSections; }
   void next();
   RunBlock block() const;
+  ValueWidth width() const { return static_cast<ValueWidth>(section_ / kPlanes); }
 
  private:
   void skip_empty_sections();

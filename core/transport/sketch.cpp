@@ -66,7 +66,7 @@ float sign_of(std::uint64_t bits, std::size_t lane) {
 /// So many units fit an int32, and float's rounding near them.
 constexpr float kMostUnits = 0x1p30f;
 
-/// Sums of one column: [3][kSketchRows], and Σ M̂² of each channel.
+/// Sums of a column, or of a layer of it: [3][kSketchRows], and Σ M̂² of each channel.
 struct ColumnSketch {
   std::array<std::array<double, kSketchRows>, 3> row{};
   std::array<double, 3> square{};
@@ -85,20 +85,22 @@ struct ColumnSketch {
   }
 };
 
-/// Adds one tile's run: its groups decoded to radiance.
-void add_tile(const TransportView& stored, const ReceiverValues& reflectance, std::size_t tile,
-              std::size_t column, ColumnSketch& sketch) {
-  const ColumnRun run = stored.run(tile, column);
-  if (run.empty()) return;
-  constexpr std::size_t kGroups = kTileReceivers / kLanes;
-  alignas(64) thread_local std::array<float, kTileFloats> held;
-  std::array<bool, kGroups> used{};
-  const float step = stored.step(column);
-  for (RunCursor at(run); !at.at_end(); at.next()) {
-    const RunBlock block = at.block();
+/// A column's layers, and all of them.
+struct LayeredSketch {
+  std::array<ColumnSketch, kLayers> layer;
+  ColumnSketch whole;
+};
+
+constexpr std::size_t kGroups = kTileReceivers / kLanes;
+
+/// One tile of a column's layer in radiance, group by group.
+struct TileLayer {
+  alignas(64) std::array<float, kTileFloats> held;
+  std::array<bool, kGroups> used;
+
+  void add(const RunBlock& block, float step) {
     const std::size_t group = block.index / kBlockReceivers;
-    float* const of_group = held.data() + group * kGroupFloats;
-    if (!used[group]) std::fill_n(of_group, kGroupFloats, 0.0f);
+    if (!used[group]) std::fill_n(held.data() + group * kGroupFloats, kGroupFloats, 0.0f);
     used[group] = true;
     const Vec3f factor = kPlaneFactors[block.plane] * step;
     float* const to = held.data() + block.index * kBlockFloats;
@@ -108,14 +110,40 @@ void add_tile(const TransportView& stored, const ReceiverValues& reflectance, st
       }
     }
   }
-  const float* const scale = reflectance.tile(tile);
-  for (std::size_t group = 0; group < kGroups; ++group) {
-    if (!used[group]) continue;
+
+  /// From pixel Haar coefficients before reflectance.
+  void restore(std::size_t group, const float* reflectance) {
     float* const of_group = held.data() + group * kGroupFloats;
     for (std::size_t c = 0; c < 3; ++c)
       pixel_haar_inverse(of_group + c * kBlockReceivers, kBlockFloats);
-    for (std::size_t i = 0; i < kGroupFloats; ++i) of_group[i] *= scale[group * kGroupFloats + i];
-    sketch.add_group(tile * kGroups + group, of_group);
+    for (std::size_t i = 0; i < kGroupFloats; ++i) {
+      of_group[i] *= reflectance[group * kGroupFloats + i];
+    }
+  }
+};
+
+/// Adds one tile's run: its groups decoded to radiance.
+void add_tile(const TransportView& stored, const ReceiverValues& reflectance, std::size_t tile,
+              std::size_t column, LayeredSketch& sketch) {
+  const ColumnRun run = stored.run(tile, column);
+  if (run.empty()) return;
+  thread_local std::array<TileLayer, kLayers> layers;
+  for (TileLayer& layer : layers) layer.used.fill(false);
+  for (RunCursor at(run); !at.at_end(); at.next()) {
+    layers[layer_of(at.width())].add(at.block(), stored.step(column));
+  }
+  for (std::size_t group = 0; group < kGroups; ++group) {
+    std::array<float, kGroupFloats> whole{};
+    bool used = false;
+    for (std::size_t l = 0; l < kLayers; ++l) {
+      if (!layers[l].used[group]) continue;
+      used = true;
+      layers[l].restore(group, reflectance.tile(tile));
+      const float* const radiance = layers[l].held.data() + group * kGroupFloats;
+      sketch.layer[l].add_group(tile * kGroups + group, radiance);
+      for (std::size_t i = 0; i < kGroupFloats; ++i) whole[i] += radiance[i];
+    }
+    if (used) sketch.whole.add_group(tile * kGroups + group, whole.data());
   }
 }
 
@@ -172,15 +200,19 @@ Sketch make_sketch(const SketchSums& sums, const TransportView& stored,
   const std::size_t columns = stored.column_count();
   RIMLIGHT_CHECK_EQ(sums.sums().size(), columns * 3 * kSketchRows);
   RIMLIGHT_CHECK_EQ(reflectance.tile_count(), stored.tile_count());
+  const std::size_t parts = columns * kLayers;
   Sketch sketch;
   sketch.column_count = columns;
-  for (auto* const bytes : {&sketch.stored, &sketch.error})
-    bytes->resize(3 * columns * kSketchRows);
-  for (auto* const values : {&sketch.stored_scale, &sketch.error_scale, &sketch.norm_squared}) {
-    values->resize(3 * columns);
+  sketch.stored.resize(3 * parts * kSketchRows);
+  sketch.error.resize(3 * columns * kSketchRows);
+  for (auto* const of_parts : {&sketch.stored_scale, &sketch.part_norm_squared}) {
+    of_parts->resize(3 * parts);
+  }
+  for (auto* const of_columns : {&sketch.error_scale, &sketch.norm_squared}) {
+    of_columns->resize(3 * columns);
   }
   parallel_for(columns, [&](std::size_t column) {
-    ColumnSketch of_stored;
+    LayeredSketch of_stored;
     for (std::size_t tile = 0; tile < stored.tile_count(); ++tile) {
       add_tile(stored, reflectance, tile, column, of_stored);
     }
@@ -189,12 +221,17 @@ Sketch make_sketch(const SketchSums& sums, const TransportView& stored,
       const auto whole = sums.sums().subspan((column * 3 + c) * kSketchRows, kSketchRows);
       std::array<double, kSketchRows> error;
       for (std::size_t k = 0; k < kSketchRows; ++k) {
-        error[k] =
-            static_cast<double>(whole[k]) * static_cast<double>(sums.unit()) - of_stored.row[c][k];
+        error[k] = static_cast<double>(whole[k]) * static_cast<double>(sums.unit()) -
+                   of_stored.whole.row[c][k];
       }
-      quantize(of_stored.row[c], sketch.stored.data() + at * kSketchRows, sketch.stored_scale[at]);
       quantize(error, sketch.error.data() + at * kSketchRows, sketch.error_scale[at]);
-      sketch.norm_squared[at] = static_cast<float>(of_stored.square[c]);
+      sketch.norm_squared[at] = static_cast<float>(of_stored.whole.square[c]);
+      for (std::size_t layer = 0; layer < kLayers; ++layer) {
+        const std::size_t part = c * parts + part_of(column, layer);
+        quantize(of_stored.layer[layer].row[c], sketch.stored.data() + part * kSketchRows,
+                 sketch.stored_scale[part]);
+        sketch.part_norm_squared[part] = static_cast<float>(of_stored.layer[layer].square[c]);
+      }
     }
   });
   return sketch;
@@ -202,8 +239,10 @@ Sketch make_sketch(const SketchSums& sums, const TransportView& stored,
 
 SketchedSquares sketched_squares(const Sketch& sketch, std::size_t channel,
                                  std::span<const float> residual, std::span<const float> target) {
-  RIMLIGHT_CHECK(residual.size() == sketch.column_count && target.size() == sketch.column_count);
+  RIMLIGHT_CHECK_EQ(residual.size(), sketch.column_count * kLayers);
+  RIMLIGHT_CHECK_EQ(target.size(), sketch.column_count);
   alignas(64) std::array<float, kSketchRows> sums{};
+  const std::size_t first_part = channel * sketch.column_count * kLayers;
   const std::size_t first = channel * sketch.column_count;
   const auto square = [&sums] {
     double result = 0;
@@ -212,8 +251,8 @@ SketchedSquares sketched_squares(const Sketch& sketch, std::size_t channel,
   };
   SketchedSquares squares;
   HWY_DYNAMIC_DISPATCH(add_sketched_impl)
-  (sketch.stored.data() + first * kSketchRows, sketch.stored_scale.data() + first, residual,
-   sums.data());
+  (sketch.stored.data() + first_part * kSketchRows, sketch.stored_scale.data() + first_part,
+   residual, sums.data());
   squares.residual = square();
   HWY_DYNAMIC_DISPATCH(add_sketched_impl)
   (sketch.error.data() + first * kSketchRows, sketch.error_scale.data() + first, target,

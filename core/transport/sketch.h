@@ -55,21 +55,23 @@ class SketchSums {
   std::array<std::mutex, kThirds> mutexes_;  // of the groups whose rows begin there
 };
 
-/// What a bake keeps of its sketches: P̂ = S·M̂ of the stored transport, and E = S·M − P̂, what
-/// compression took from it; 8 bits each, a scale for each column and channel. And the squared norm
-/// of each column of M̂.
+/// What a bake keeps of its sketches: P̂ = S·M̂ of the stored transport, layer by layer, and
+/// E = S·M − P̂, what compression took from it; 8 bits each, a scale for each row of them and
+/// channel. And the squared norms of the columns of M̂, and of their layers.
 struct Sketch {
   std::size_t column_count = 0;
-  AlignedVector<std::int8_t> stored;  // P̂ [3][column][kSketchRows], times its scale
-  AlignedVector<std::int8_t> error;   // E, the same
-  AlignedVector<float> stored_scale;  // [3][column]
-  AlignedVector<float> error_scale;   // [3][column]
-  AlignedVector<float> norm_squared;  // [3][column]: Σ over receivers of M̂², radiance
+  AlignedVector<std::int8_t> stored;       // P̂ [3][part][kSketchRows], times its scale
+  AlignedVector<std::int8_t> error;        // E [3][column][kSketchRows], times its scale
+  AlignedVector<float> stored_scale;       // [3][part]
+  AlignedVector<float> error_scale;        // [3][column]
+  AlignedVector<float> norm_squared;       // [3][column]: Σ over receivers of M̂², radiance
+  AlignedVector<float> part_norm_squared;  // [3][part]
 
   friend bool operator==(const Sketch&, const Sketch&) = default;
 };
 
 /// From the sums and the stored transport: decodes all of it, in parallel over columns, in double.
+/// A layer's radiance is what its blocks alone restore to.
 Sketch make_sketch(const SketchSums& sums, const TransportView& stored,
                    const ReceiverValues& reflectance);
 
@@ -79,8 +81,8 @@ struct SketchedSquares {
   double error = 0;     // ‖S·(M·target − M̂·held)‖² with residual = target − held
 };
 
-/// `channel` of target and residual, [column]. Columns where they are zero are not read. Float
-/// sums, relative error 1e-5 of Σ|terms|. Any thread, allocates nothing.
+/// `channel` of the residual, [part], and of the target, [column]. Where they are zero nothing is
+/// read. Float sums, relative error 1e-5 of Σ|terms|. Any thread, allocates nothing.
 SketchedSquares sketched_squares(const Sketch& sketch, std::size_t channel,
                                  std::span<const float> residual, std::span<const float> target);
 

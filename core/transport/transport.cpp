@@ -1,6 +1,7 @@
 #include "core/transport/transport.h"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -98,6 +99,11 @@ std::optional<Fault> tile_fault(const TransportView& view, std::size_t tile) {
   throw Error(source + ": " + fault.array, fault.found, fault.expected);
 }
 
+std::uint32_t add_clamped(std::uint32_t sum, std::uint64_t more) {
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+  return static_cast<std::uint32_t>(std::min(kMost, sum + more));
+}
+
 }  // namespace
 
 TransportView::TransportView(const Arrays& arrays, const std::string& source) : arrays_(arrays) {
@@ -116,18 +122,41 @@ TransportView::TransportView(const Arrays& arrays, const std::string& source) : 
 }
 
 std::vector<std::uint32_t> count_column_bytes(const TransportView& transport) {
-  std::vector<std::uint64_t> bytes(transport.column_count());
-  for (std::size_t tile = 0; tile < transport.tile_count(); ++tile) {
-    for (std::size_t column = 0; column < bytes.size(); ++column) {
-      bytes[column] += transport.run(tile, column).words().size_bytes();
+  std::vector<std::uint32_t> bytes(transport.column_count());
+  parallel_for(bytes.size(), [&](std::size_t column) {
+    for (std::size_t tile = 0; tile < transport.tile_count(); ++tile) {
+      bytes[column] = add_clamped(bytes[column], transport.run(tile, column).words().size_bytes());
     }
-  }
-  const std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> result(bytes.size());
-  std::ranges::transform(bytes, result.begin(), [kMost](std::uint64_t count) {
-    return static_cast<std::uint32_t>(std::min(count, kMost));
   });
-  return result;
+  return bytes;
+}
+
+std::vector<PartSize> measure_parts(const TransportView& transport) {
+  constexpr std::size_t kCountBytes = ColumnRun::kHeaderWords * sizeof(std::uint64_t);
+  std::vector<PartSize> sizes(transport.column_count() * kLayers);
+  parallel_for(transport.column_count(), [&](std::size_t column) {
+    for (std::size_t tile = 0; tile < transport.tile_count(); ++tile) {
+      const ColumnRun run = transport.run(tile, column);
+      if (run.empty()) continue;
+      std::array<std::size_t, kLayers> bytes{}, blocks{};
+      for (std::size_t width = 0; width < kWidths; ++width) {
+        const std::size_t layer = layer_of(static_cast<ValueWidth>(width));
+        for (std::size_t plane = 0; plane < kPlanes; ++plane) {
+          const std::size_t count = run.section_count(static_cast<ValueWidth>(width), plane);
+          blocks[layer] += count;
+          bytes[layer] += count * (kBlockBytes[width] + sizeof(std::uint16_t));
+        }
+      }
+      for (std::size_t layer = 0; layer < kLayers; ++layer) {
+        if (blocks[layer] == 0) continue;
+        PartSize& size = sizes[part_of(column, layer)];
+        size.bytes = add_clamped(size.bytes, bytes[layer] + kCountBytes);
+        size.blocks = add_clamped(size.blocks, blocks[layer]);
+        size.runs = add_clamped(size.runs, 1);
+      }
+    }
+  });
+  return sizes;
 }
 
 }  // namespace rimlight

@@ -56,4 +56,13 @@ class TransportView {
 /// What adding a column reads: bytes of its runs in all tiles, at most 2³² − 1. [columns].
 std::vector<std::uint32_t> count_column_bytes(const TransportView& transport);
 
+/// What adding a layer of a column by itself takes, in all tiles; at most 2³² − 1.
+struct PartSize {
+  std::uint32_t bytes = 0;   // read, the runs' counts included
+  std::uint32_t blocks = 0;  // added
+  std::uint32_t runs = 0;    // that have any
+};
+/// [part].
+std::vector<PartSize> measure_parts(const TransportView& transport);
+
 }  // namespace rimlight

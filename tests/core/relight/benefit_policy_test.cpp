@@ -28,7 +28,8 @@ double largest_benefit(const PlanRequest& request) {
   for (std::size_t i = 0; i < request.target.count(); ++i) {
     if (request.column_bytes[i] > request.budget.amount) continue;
     const Vec3d target(request.target.at(i));
-    most = std::max({most, measure(i, target), measure(i, target - Vec3d(request.held.at(i)))});
+    most = std::max(
+        {most, measure(i, target), measure(i, target - Vec3d(request.held.layer(0).at(i)))});
   }
   return most;
 }

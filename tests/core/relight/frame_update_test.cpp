@@ -63,7 +63,11 @@ struct Session {
       : updater(bake(), kHaar, parse_policy(policy, "test"), relighter) {}
 
   double distance(const CubeLight& target) const {
-    return weighted_distance(kHaar, target, relighter.held());
+    double sum = 0;
+    for (std::size_t layer = 0; layer < kLayers; ++layer) {
+      sum += weighted_distance(kHaar, target, relighter.held().layer(layer));
+    }
+    return sum;
   }
   std::vector<float> image() const {
     std::vector<float> image(relighter.tile_count() * kTileFloats);

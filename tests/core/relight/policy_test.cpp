@@ -48,7 +48,7 @@ void expect_plan(const UpdatePlan& plan, const PlanRequest& request,
       ASSERT_EQ(request.basis.band_of(column), static_cast<int>(band));
       const Vec3f target = request.target.at(column);
       ASSERT_EQ(plan.columns[next].delta,
-                expected.reset[band] ? target : target - request.held.at(column));
+                expected.reset[band] ? target : target - request.held.layer(0).at(column));
     }
   }
   ASSERT_EQ(next, plan.columns.size());

@@ -22,15 +22,17 @@ struct Ranked {
   RankedColumns columns;
 
   Ranked(const test::PolicyCaseSettings& settings, Budget budget)
-      : problem(settings), request(problem.request(budget)), costs(request) {
+      : problem(settings),
+        request(problem.request(budget)),
+        costs(request, Candidates::columns(problem.haar)) {
     for (const auto alternative : {Alternative::increment, Alternative::reset}) {
       measure_sizes(request, Selection::area, alternative,
                     gains[static_cast<std::size_t>(alternative)]);
     }
     for (int band = 0; band < problem.haar.band_count(); ++band) {
       for (const auto alternative : {Alternative::increment, Alternative::reset}) {
-        columns.add(problem.haar, band, alternative, gains[static_cast<std::size_t>(alternative)],
-                    costs);
+        columns.add(Candidates::columns(problem.haar), band, alternative,
+                    gains[static_cast<std::size_t>(alternative)], costs);
       }
     }
     columns.sort();
@@ -88,9 +90,10 @@ TEST(RankedColumns, EachListKeepsItsBestAsFarAsTheBudgetGoes) {
           ASSERT_GE(cost, budget.amount);
           ++cut;
         }
-        ASSERT_NEAR(ranked.columns.gains_left_out(ranked.problem.haar, list / 2,
-                                                  static_cast<Alternative>(list % 2), gains),
-                    left_out, 1e-9);
+        ASSERT_NEAR(
+            ranked.columns.gains_left_out(Candidates::columns(ranked.problem.haar), list / 2,
+                                          static_cast<Alternative>(list % 2), gains),
+            left_out, 1e-9);
       }
     }
   }

@@ -84,8 +84,8 @@ class Edits {
       BandUpdate& band = plan_.bands[static_cast<std::size_t>(kHaar.band_of(column))];
       if (band.count++ == 0) band.first = plan_.columns.size();
       band.action = BandAction::increment;
-      plan_.columns.push_back(
-          {static_cast<std::uint32_t>(column), target_.at(column) - relighter_.held().at(column)});
+      plan_.columns.push_back({static_cast<std::uint32_t>(column),
+                               target_.at(column) - relighter_.held().layer(0).at(column)});
     }
     relighter_.apply(plan_, target_);
     additions_ += plan_.columns.size();
@@ -141,12 +141,12 @@ TEST(RelighterDrift, RoundingOfManyEditsNeverShows) {
     edits.add_to(never_rebuilt);
     if (i % std::max(1, count / 20) != 0) continue;
     Relighter fresh(transport(), reflectance(), kHaar);
-    ASSERT_TRUE(fresh.apply_exact(edits.relighter().held(), {}));
+    ASSERT_TRUE(fresh.apply_exact(edits.relighter().held().layer(0), {}));
     const auto exact = image_of(fresh);
     worst = std::max(worst, distance(image_of(edits.relighter()), exact));
     without = distance(image_of(never_rebuilt), exact);
   }
-  EXPECT_EQ(edits.relighter().held().values, edits.target().values);
+  EXPECT_EQ(edits.relighter().held().layer(0).values, edits.target().values);
   RecordProperty("worst", std::to_string(worst * 1e6) + "e-6");
   RecordProperty("without_rebuilding", std::to_string(without * 1e6) + "e-6");
   std::printf("%d edits, %zu columns: %.2e; without rebuilding %.2e\n", count, edits.additions(),
@@ -178,7 +178,7 @@ TEST(RelighterDrift, ATileIsRebuiltToTheBitsOfAFreshOne) {
     if (edits.relighter().tiles_rebuilt() == 0) continue;
     const std::size_t tile = rebuilt++ % kTiles;  // in turn
     Relighter fresh(transport(), reflectance(), kHaar);
-    ASSERT_TRUE(fresh.apply_exact(edits.relighter().held(), {}));
+    ASSERT_TRUE(fresh.apply_exact(edits.relighter().held().layer(0), {}));
     const auto of_tile = [tile](const std::vector<float>& image) {
       const auto first = image.begin() + static_cast<std::ptrdiff_t>(tile * kTileFloats);
       return std::vector<float>(first, first + kTileFloats);

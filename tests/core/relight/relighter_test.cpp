@@ -129,7 +129,8 @@ TEST(Relighter, AfterEachFrameTheImageIsTheProductWithHeld) {
       ASSERT_EQ(session.relighter.last_terms(), 60u);
       // Deltas of at most twice the size, 60 a frame: 13 · 120 additions and more than the held
       // light's own magnitude, so a factor 4.
-      expect_product(image_of(session.relighter), session.relighter.held(), 4 * 13 * 120.0);
+      expect_product(image_of(session.relighter), session.relighter.held().layer(0),
+                     4 * 13 * 120.0);
     }
     EXPECT_GT(resets, 0);
     EXPECT_EQ(increments > 0, policy == &pbi);
@@ -139,7 +140,7 @@ TEST(Relighter, AfterEachFrameTheImageIsTheProductWithHeld) {
 TEST(Relighter, HeldIsTheTargetAtAddedColumnsAndZeroElsewhereInResetBands) {
   Session session;
   session.frame(PbiPolicy(), moving_light(0), 100);
-  const CubeLight before = session.relighter.held();
+  const CubeLight before = session.relighter.held().layer(0);
   const CubeLight target = moving_light(40);
   session.frame(PbiPolicy(), target, 50);
   for (int band = 0; band < kHaar.band_count(); ++band) {
@@ -151,7 +152,7 @@ TEST(Relighter, HeldIsTheTargetAtAddedColumnsAndZeroElsewhereInResetBands) {
       const Vec3f expected = added                                ? target.at(i)
                              : update.action == BandAction::reset ? Vec3f{}
                                                                   : before.at(i);
-      ASSERT_EQ(session.relighter.held().at(i), expected) << i;
+      ASSERT_EQ(session.relighter.held().layer(0).at(i), expected) << i;
     }
   }
 }
@@ -202,7 +203,7 @@ TEST(Relighter, NwaWithABudgetOfEverythingIsTheExactImageBitForBit) {
   }
   ASSERT_TRUE(exact.relighter.apply_exact(moving_light(2), {}));
   EXPECT_EQ(image_of(session.relighter), image_of(exact.relighter));
-  EXPECT_EQ(session.relighter.held().values, exact.relighter.held().values);
+  EXPECT_EQ(session.relighter.held().layer(0).values, exact.relighter.held().layer(0).values);
 }
 
 TEST(Relighter, PbiConvergesWhileTheLightIsStill) {
@@ -214,12 +215,12 @@ TEST(Relighter, PbiConvergesWhileTheLightIsStill) {
   double previous = 1e300;
   for (std::size_t frame = 0; frame < frames; ++frame) {
     session.frame(PbiPolicy(), target, kBudget);
-    const double residual = weighted_distance(kHaar, target, session.relighter.held());
+    const double residual = weighted_distance(kHaar, target, session.relighter.held().layer(0));
     ASSERT_LE(residual, previous);
     previous = residual;
   }
   EXPECT_EQ(previous, 0);
-  EXPECT_EQ(session.relighter.held().values, target.values);
+  EXPECT_EQ(session.relighter.held().layer(0).values, target.values);
   expect_product(image_of(session.relighter), target, 4 * 1000.0);
   session.frame(PbiPolicy(), target, kBudget);
   EXPECT_EQ(session.relighter.last_terms(), 0u);
@@ -235,7 +236,7 @@ TEST(Relighter, TheExactImageDependsOnTheTargetAlone) {
   expect_product(image_of(fresh.relighter), moving_light(8), 2 * 384.0);
   // And increments go on from there.
   moved.frame(PbiPolicy(), moving_light(9), 40);
-  expect_product(image_of(moved.relighter), moved.relighter.held(), 4 * 1000.0);
+  expect_product(image_of(moved.relighter), moved.relighter.held().layer(0), 4 * 1000.0);
 }
 
 TEST(Relighter, IsLinearInTheLight) {
@@ -259,7 +260,8 @@ TEST(Relighter, AnAbandonedExactImageLeavesEverythingAsItWas) {
     EXPECT_FALSE(session.relighter.apply_exact(moving_light(9), [&] { return asked++ == after; }));
     EXPECT_GT(asked, after);
     EXPECT_EQ(image_of(session.relighter), image_of(undisturbed.relighter)) << after;
-    EXPECT_EQ(session.relighter.held().values, undisturbed.relighter.held().values);
+    EXPECT_EQ(session.relighter.held().layer(0).values,
+              undisturbed.relighter.held().layer(0).values);
   }
   session.frame(PbiPolicy(), moving_light(6), 40);
   undisturbed.frame(PbiPolicy(), moving_light(6), 40);

@@ -181,7 +181,7 @@ TEST(BakeFolder, AManifestFieldThatIsNotAsPromisedIsNamed) {
   };
   const auto null = nlohmann::json();
   const std::vector<Change> changes = {
-      {"/version", 3, "/version"},
+      {"/version", 2, "/version"},
       {"/version", "2", "/version"},
       {"/kind", "vertex_sh", "/kind"},
       {"/scene", 3, "/scene"},

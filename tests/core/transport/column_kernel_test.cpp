@@ -48,7 +48,9 @@ std::vector<ColumnDelta> random_deltas(std::size_t columns, double share, std::u
   for (std::uint32_t column = 0; column < columns; ++column) {
     if (random.uniform() >= share) continue;
     const auto value = [&] { return static_cast<float>(random.uniform(-2, 2)); };
-    deltas.push_back({column, {value(), value(), value()}});
+    // Whole columns, or some layers of one.
+    const auto layers = static_cast<LayerSet>(random.below(2) == 0 ? kAllLayers : random.below(8));
+    deltas.push_back({column, {value(), value(), value()}, layers});
   }
   return deltas;
 }

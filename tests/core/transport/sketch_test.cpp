@@ -40,11 +40,11 @@ const ReceiverValues& reflectance() {
   return made;
 }
 
-/// A column of M̂ as radiance, in double.
-Image column_image(std::size_t column) {
+/// A column of M̂, or some layers of it, as radiance, in double.
+Image column_image(std::size_t column, LayerSet layers = kAllLayers) {
   Image image(3 * kReceivers);
   const std::vector<float> zero(kTileFloats);
-  const std::vector<ColumnDelta> delta = {{static_cast<std::uint32_t>(column), {1, 1, 1}}};
+  const std::vector<ColumnDelta> delta = {{static_cast<std::uint32_t>(column), {1, 1, 1}, layers}};
   for (std::size_t tile = 0; tile < kTiles; ++tile) {
     const auto held = reference::add_columns(transport(), tile, delta, zero);
     const auto radiance =
@@ -125,31 +125,60 @@ TEST(Sketch, SignsAndRowsAreFair) {
   for (const int count : rows) EXPECT_NEAR(count, 1000, 120);
 }
 
+/// The sketch of one channel of an image, in double.
+std::array<double, kSketchRows> sketch_of(const Image& image, std::size_t channel) {
+  std::array<double, kSketchRows> rows{};
+  for (std::size_t r = 0; r < kReceivers; ++r) {
+    rows.at(sketch_first_row(r / 64) + r % 64) +=
+        static_cast<double>(sketch_sign(r, channel)) * image[channel * kReceivers + r];
+  }
+  return rows;
+}
+
+double square_of(const Image& image, std::size_t channel) {
+  double square = 0;
+  for (std::size_t r = 0; r < kReceivers; ++r) {
+    square += image[channel * kReceivers + r] * image[channel * kReceivers + r];
+  }
+  return square;
+}
+
+/// Rows in 8 bits and a scale, to half a step and `more`.
+void expect_rows(const std::int8_t* bytes, float scale, const std::array<double, kSketchRows>& rows,
+                 double more) {
+  for (std::size_t k = 0; k < kSketchRows; ++k) {
+    ASSERT_NEAR(bytes[k] * static_cast<double>(scale), rows.at(k),
+                0.501 * static_cast<double>(scale) + more);
+  }
+}
+
 TEST(Sketch, IsTheSumWithSignsOfEachRowsReceivers) {
+  constexpr double kOfUnits = 1e-6 * 64;  // of the sums: 64 groups of each row, 0.3 units each
   for (const std::size_t column : {0u, 7u, 19u}) {
+    Image difference = whole_columns()[column];
+    for (std::size_t i = 0; i < difference.size(); ++i) difference[i] -= columns()[column][i];
     for (std::size_t c = 0; c < 3; ++c) {
-      std::array<double, kSketchRows> expected{}, error{};
-      double square = 0;
-      for (std::size_t r = 0; r < kReceivers; ++r) {
-        const std::size_t row = sketch_first_row(r / 64) + r % 64;
-        const double m = columns()[column][c * kReceivers + r];
-        const double whole = whole_columns()[column][c * kReceivers + r];
-        expected.at(row) += static_cast<double>(sketch_sign(r, c)) * m;
-        error.at(row) += static_cast<double>(sketch_sign(r, c)) * (whole - m);
-        square += m * m;
-      }
       const std::size_t at = c * kColumns + column;
-      // Half a step of 8 bits, and for E the units of the sums: 64 groups of each row, 0.3 units.
-      const double of_units = 1e-6 * 64;
-      for (std::size_t k = 0; k < kSketchRows; ++k) {
-        const double stored = sketch().stored[at * kSketchRows + k];
-        const double of_error = sketch().error[at * kSketchRows + k];
-        ASSERT_NEAR(stored * static_cast<double>(sketch().stored_scale[at]), expected.at(k),
-                    0.501 * static_cast<double>(sketch().stored_scale[at]));
-        ASSERT_NEAR(of_error * static_cast<double>(sketch().error_scale[at]), error.at(k),
-                    0.501 * static_cast<double>(sketch().error_scale[at]) + of_units);
-      }
+      expect_rows(sketch().error.data() + at * kSketchRows, sketch().error_scale[at],
+                  sketch_of(difference, c), kOfUnits);
+      const double square = square_of(columns()[column], c);
       ASSERT_NEAR(sketch().norm_squared[at], square, 1e-4 * square);
+    }
+  }
+}
+
+TEST(Sketch, HoldsEachLayerByItself) {
+  for (const std::size_t column : {0u, 7u, 19u}) {
+    for (std::size_t layer = 0; layer < kLayers; ++layer) {
+      const Image image = column_image(column, static_cast<LayerSet>(1 << layer));
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t at = c * kColumns * kLayers + part_of(column, layer);
+        expect_rows(sketch().stored.data() + at * kSketchRows, sketch().stored_scale[at],
+                    sketch_of(image, c), 1e-9);
+        const double square = square_of(image, c);
+        ASSERT_GT(square, 0) << "a layer without blocks tells nothing";
+        ASSERT_NEAR(sketch().part_norm_squared[at], square, 1e-4 * square);
+      }
     }
   }
 }
@@ -194,7 +223,9 @@ TEST(Sketch, EstimatesTheErrorOfImages) {
       for (const double value : image) square += value * value;
       return std::sqrt(square);
     };
-    const SketchedSquares found = sketched_squares(sketch(), c, residual, target);
+    std::vector<float> of_parts;  // every layer lacks the same
+    for (const float lack : residual) of_parts.insert(of_parts.end(), kLayers, lack);
+    const SketchedSquares found = sketched_squares(sketch(), c, of_parts, target);
     const double ratio = std::sqrt(found.error) / norm(error);
     ratio_sum += ratio;
     within += std::abs(ratio - 1) <= 0.15;

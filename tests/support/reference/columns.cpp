@@ -14,6 +14,7 @@ HeldTile add_columns(const TransportView& transport, std::size_t tile,
   for (const ColumnDelta& column : columns) {
     const double step = transport.step(column.column);
     for (RunCursor at(transport.run(tile, column.column)); !at.at_end(); at.next()) {
+      if ((column.layers >> layer_of(at.width()) & 1) == 0) continue;
       const RunBlock block = at.block();
       for (std::size_t i = 0; i < kBlockFloats; ++i) {
         const auto channel = static_cast<int>(i / kBlockReceivers);
