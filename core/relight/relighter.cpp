@@ -22,24 +22,22 @@ Relighter::Relighter(const TransportView& transport, const ReceiverValues& refle
     fresh_.emplace_back(transport.tile_count());
   }
   zero_.assign(bands, true);
+  was_zero_.reserve(bands);
   fresh_plan_.bands.reserve(bands);  // the first rebuild may come late
   fresh_plan_.columns.reserve(basis.coefficient_count());
 }
 
-void Relighter::update_tile(const UpdatePlan& plan, std::size_t tile,
-                            std::vector<ReceiverValues>& images) const {
+void Relighter::update_tile(const UpdatePlan& plan, const std::vector<bool>& is_zero,
+                            std::size_t tile, std::vector<ReceiverValues>& images) const {
   for (std::size_t b = 0; b < plan.bands.size(); ++b) {
     const BandUpdate& update = plan.bands[b];
     if (update.count == 0) continue;  // a reset without columns is told by zero_ alone
-    float* const radiance = images[b].tile(tile);
-    if (starts_from_zero(update, b)) std::fill_n(radiance, kTileFloats, 0.0f);
+    float* const held = images[b].tile(tile);
+    const bool starts_from_zero = update.action == BandAction::reset || is_zero[b];
+    if (starts_from_zero) std::fill_n(held, kTileFloats, 0.0f);
     add_columns(transport_, tile, std::span(plan.columns).subspan(update.first, update.count),
-                radiance);
+                held);
   }
-}
-
-bool Relighter::starts_from_zero(const BandUpdate& update, std::size_t band) const {
-  return update.action == BandAction::reset || zero_[band];
 }
 
 void Relighter::move_held(const UpdatePlan& plan, const CubeLight& target) {
@@ -73,15 +71,24 @@ void Relighter::apply(const UpdatePlan& plan, const CubeLight& target) {
   RIMLIGHT_CHECK_EQ(plan.bands.size(), images_.size());
   RIMLIGHT_CHECK_EQ(target.count(), basis_.coefficient_count());
   RIMLIGHT_CHECK(plan.columns.empty() || plan.columns.back().column < transport_.column_count());
-  if (!plan.columns.empty()) {
-    const auto update = [&](std::size_t tile) { update_tile(plan, tile, images_); };
-    parallel_for(tile_count(), std::cref(update));
-  }
+  was_zero_ = zero_;
   move_held(plan, target);
-  rebuild_tiles(plan.columns.size());
+  choose_rebuilt_tiles(plan.columns.size());
+  if (plan.columns.empty()) return;
+  // Tiles to rebuild come first: they take longest.
+  const auto update = [&](std::size_t i) {
+    const std::size_t tile = (next_rebuilt_ + i) % tile_count();
+    if (i < tiles_rebuilt_) {
+      update_tile(fresh_plan_, was_zero_, tile, images_);
+    } else {
+      update_tile(plan, was_zero_, tile, images_);
+    }
+  };
+  parallel_for(tile_count(), std::cref(update));
+  next_rebuilt_ = (next_rebuilt_ + tiles_rebuilt_) % tile_count();
 }
 
-void Relighter::rebuild_tiles(std::size_t columns) {
+void Relighter::choose_rebuilt_tiles(std::size_t columns) {
   // One round through all tiles for every kMostAdditions columns added.
   rebuild_credit_ += columns * tile_count();
   tiles_rebuilt_ = std::min(rebuild_credit_ / kMostAdditions, tile_count());
@@ -90,11 +97,6 @@ void Relighter::rebuild_tiles(std::size_t columns) {
   plan_afresh(held_);
   // A band that came back to black column by column shows rounding alone: none of it is kept.
   for (std::size_t b = 0; b < images_.size(); ++b) zero_[b] = fresh_plan_.bands[b].count == 0;
-  const auto rebuild = [this](std::size_t i) {
-    update_tile(fresh_plan_, (next_rebuilt_ + i) % tile_count(), images_);
-  };
-  parallel_for(tiles_rebuilt_, std::cref(rebuild));
-  next_rebuilt_ = (next_rebuilt_ + tiles_rebuilt_) % tile_count();
 }
 
 void Relighter::plan_afresh(const HeldLight& light) {
@@ -123,7 +125,7 @@ bool Relighter::apply_exact(const CubeLight& target, const std::function<bool()>
     if (abandon && abandon()) {
       abandoned.store(true, std::memory_order_relaxed);
     } else {
-      update_tile(fresh_plan_, tile, fresh_);
+      update_tile(fresh_plan_, zero_, tile, fresh_);
     }
   };
   parallel_for(tile_count(), std::cref(update));

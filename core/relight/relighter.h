@@ -36,7 +36,7 @@ class Relighter {
   /// Applies a plan made for `target` and held(): resets bands, adds columns, moves held(). And
   /// rebuilds some tiles afresh from what is held, so that rounding never shows: each addition
   /// rounds a sum by at most 2⁻²⁴ of it, one way or the other, so that n of them leave a relative
-  /// error of about √(n/3) · 2⁻²⁴, 8e-6 for kMostAdditions; each tile is rebuilt before so many.
+  /// error of about √(n/3) · 2⁻²⁴, 9.8e-6 for kMostAdditions; each tile is rebuilt before so many.
   void apply(const UpdatePlan& plan, const CubeLight& target);
 
   /// The exact image: one fresh product with every column whose target is not zero, in ascending
@@ -50,7 +50,7 @@ class Relighter {
   /// Tiles that the last apply() rebuilt.
   std::size_t tiles_rebuilt() const { return tiles_rebuilt_; }
 
-  static constexpr std::size_t kMostAdditions = 50'000;
+  static constexpr std::size_t kMostAdditions = 80'000;
 
   std::size_t tile_count() const { return transport_.tile_count(); }
   /// One tile of B: radiance [block][3][8]. Any thread.
@@ -59,14 +59,15 @@ class Relighter {
   bool is_zero(int band) const { return zero_[static_cast<std::size_t>(band)]; }
 
  private:
-  bool starts_from_zero(const BandUpdate& update, std::size_t band) const;
-  /// Zeroes reset bands of `images` in one tile and adds the columns.
-  void update_tile(const UpdatePlan& plan, std::size_t tile,
+  /// Zeroes reset bands of `images` in one tile, and those that are to count as zero, and adds the
+  /// columns.
+  void update_tile(const UpdatePlan& plan, const std::vector<bool>& is_zero, std::size_t tile,
                    std::vector<ReceiverValues>& images) const;
   void sum_bands(std::size_t tile, std::span<float, kTileFloats> held) const;
   void move_held(const UpdatePlan& plan, const CubeLight& target);
   void plan_afresh(const HeldLight& light);
-  void rebuild_tiles(std::size_t columns);
+  /// How many are due when so many columns are added; and how, from the held light.
+  void choose_rebuilt_tiles(std::size_t columns);
 
   TransportView transport_;
   const ReceiverValues& reflectance_;
@@ -74,6 +75,7 @@ class Relighter {
   std::array<CubeLight, kLayers> held_;
   std::vector<ReceiverValues> images_;  // [band]
   std::vector<bool> zero_;              // [band]: the image counts as zero, whatever it holds
+  std::vector<bool> was_zero_;          // before the update
   std::vector<ReceiverValues> fresh_;   // where the exact product grows until it is whole
   UpdatePlan fresh_plan_;
   std::size_t last_terms_ = 0;
