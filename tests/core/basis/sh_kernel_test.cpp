@@ -15,8 +15,8 @@
 namespace rimlight {
 namespace {
 
-/// What sh_kernel.h promises: three roundings to float of a product that is at most √((2l + 1)/4π) =
-/// 2.27 at degree 32.
+/// What sh_kernel.h promises: three roundings to float of a product that is at most √((2l + 1)/4π)
+/// = 2.27 at degree 32.
 constexpr double kBound = 4.1e-7;
 
 std::vector<std::vector<double>> truth_at(const sh::Directions& directions, int degree) {
