@@ -28,11 +28,11 @@ int degree_of_lobe(std::size_t size) {
 ZonalLobe power_lobe(double exponent, double scale, int degree) {
   check_degree(degree);
   ZonalLobe lobe;
-  double integral[2] = {1 / (exponent + 1), 1 / (exponent + 2)};  // of even and odd degree
+  double integral[2] = {scale / (exponent + 1), scale / (exponent + 2)};  // of even and odd degree
   for (int l = 0; l <= degree; ++l) {
     double& of_parity = integral[l % 2];
     if (l >= 2) of_parity *= (exponent - l + 2) / (exponent + l + 1);
-    lobe.push_back(scale * 2 * kPi * axial_value(l) * of_parity);
+    lobe.push_back(2 * kPi * axial_value(l) * of_parity);
   }
   return lobe;
 }
