@@ -13,10 +13,10 @@ Recurrence make_recurrence() {
   Recurrence made;
   std::size_t next = 0;
   double square = 1 / (4 * std::numbers::pi);  // of Q_m^m, but for the factor 2 of m > 0
-  for (int m = 0; m <= kLargestDegree; ++m) {
+  for (int m = 0; m <= kLargestLightDegree; ++m) {
     if (m > 0) square *= (2.0 * m + 1) / (2.0 * m);
     made.first[static_cast<std::size_t>(m)] = std::sqrt(m == 0 ? square : 2 * square);
-    for (int l = m + 1; l <= kLargestDegree; ++l) {
+    for (int l = m + 1; l <= kLargestLightDegree; ++l) {
       const double across = (l - m) * (l + m);
       const double a = std::sqrt((4.0 * l * l - 1) / across);
       const double b =
@@ -38,12 +38,12 @@ const Recurrence& recurrence() {
 
 void check_degree(int degree) {
   RIMLIGHT_CHECK(degree >= 0);
-  RIMLIGHT_CHECK(degree <= kLargestDegree);
+  RIMLIGHT_CHECK(degree <= kLargestLightDegree);
 }
 
 int degree_of_count(std::size_t count) {
   RIMLIGHT_CHECK(count >= 1);
-  RIMLIGHT_CHECK(count <= kLargestCount);
+  RIMLIGHT_CHECK(count <= coefficient_count(kLargestLightDegree));
   const int degree = degree_of(count - 1);
   RIMLIGHT_CHECK_EQ(coefficient_count(degree), count);
   return degree;

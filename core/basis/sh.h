@@ -10,7 +10,7 @@ namespace rimlight {
 
 /// Real orthonormal spherical harmonics. The convention, stated once:
 ///
-///   degree l = 0 … kLargestDegree, one *band* a degree; m = −l … l
+///   degree l = 0 … 32 (for a light 64), one *band* a degree; m = −l … l
 ///   index    l² + l + m; all bands to degree n are (n + 1)² coefficients
 ///   Y_lm     = Q_l^|m|(z) · Re (x + iy)^m      for m ≥ 0
 ///            = Q_l^|m|(z) · Im (x + iy)^|m|    for m < 0,   at the unit direction (x, y, z)
@@ -21,7 +21,11 @@ namespace rimlight {
 /// light) are planar: [signal][(n + 1)²].
 namespace sh {
 
+/// Of transport, and of what is shown.
 inline constexpr int kLargestDegree = 32;
+/// Of a light: its product with transport of degree n, back to degree n, sees a light to degree 2n.
+/// Everything here goes so far.
+inline constexpr int kLargestLightDegree = 2 * kLargestDegree;
 
 /// How many coefficients the bands 0 … degree have.
 constexpr std::size_t coefficient_count(int degree) {
@@ -39,11 +43,9 @@ constexpr int degree_of(std::size_t coefficient) {
   return degree;
 }
 
-inline constexpr std::size_t kLargestCount = coefficient_count(kLargestDegree);
-
 /// All Y_lm to a degree at one direction (any length but zero), in double: within 4e-13 of the
-/// truth. For many directions see sh_kernel.h. CheckFailure for a degree out of range, or when
-/// `values` is not [(degree + 1)²].
+/// truth to degree 32, 2.5e-12 to 64. For many directions see sh_kernel.h. CheckFailure for a
+/// degree out of range, or when `values` is not [(degree + 1)²].
 void evaluate(const Vec3d& direction, int degree, std::span<double> values);
 std::vector<double> evaluate(const Vec3d& direction, int degree);
 
@@ -51,14 +53,14 @@ std::vector<double> evaluate(const Vec3d& direction, int degree);
 std::vector<double> legendre(double cosine, int degree);
 
 /// Σ_m f_lm² of each band: what a rotation keeps. `coefficients`: [(n + 1)²] of one signal, n ≤
-/// kLargestDegree, else CheckFailure.
+/// kLargestLightDegree, else CheckFailure.
 std::vector<double> band_energies(std::span<const float> coefficients);
 
 /// The degree n of a signal of (n + 1)² coefficients; CheckFailure when `count` is no such number,
-/// or n is above kLargestDegree.
+/// or n is above kLargestLightDegree.
 int degree_of_count(std::size_t count);
 
-/// CheckFailure unless 0 ≤ degree ≤ kLargestDegree.
+/// CheckFailure unless 0 ≤ degree ≤ kLargestLightDegree.
 void check_degree(int degree);
 
 }  // namespace sh

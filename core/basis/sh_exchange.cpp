@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "core/basis/sh_rotation_kernel.h"
 #include "core/math/quadrature.h"
@@ -23,26 +24,29 @@ SlotClass raised(int l) { return {l - 1, 1, raised_slots(l)}; }
 SlotClass sideways(int l) { return {l, -1, aligned_slots(l)}; }
 SlotClass twisted(int l) { return {l - 1, -1, raised_slots(l)}; }
 
+/// The exchange of the bands `first` … `last`.
 class ExchangeTable {
  public:
-  ExchangeTable() {
+  ExchangeTable(int first, int last)
+      : first_(first), last_(last), bands_(static_cast<std::size_t>(last - first + 1)) {
     lay_out();
-    // Products of two bands are of degree 2l: so many rows and steps around are exact.
-    constexpr int kRows = kLargestDegree + 2;
-    constexpr int kTurn = 2 * kRows;
+    // Products of two bands are of degree 2l: so many rows and steps around are exact. Even, so
+    // that no row is on the equator, which two octants would share.
+    const int rows = last + 2 - last % 2;
+    const int turn = 2 * rows;
     // Within a block the integrand is even in x, y and z: one octant of eight.
-    for (const QuadraturePoint& point : gauss_legendre(kRows)) {
+    for (const QuadraturePoint& point : gauss_legendre(rows)) {
       if (point.position < 0) continue;
       const double across = std::sqrt((1 - point.position) * (1 + point.position));
-      for (int step = 0; step < kTurn / 4; ++step) {
-        const double angle = 2 * std::numbers::pi * (step + 0.5) / kTurn;
+      for (int step = 0; step < turn / 4; ++step) {
+        const double angle = 2 * std::numbers::pi * (step + 0.5) / turn;
         add({across * std::cos(angle), across * std::sin(angle), point.position},
-            8 * point.weight * 2 * std::numbers::pi / kTurn);
+            8 * point.weight * 2 * std::numbers::pi / turn);
       }
     }
   }
 
-  const ExchangeBand& band(int l) const { return bands_[static_cast<std::size_t>(l)]; }
+  const ExchangeBand& band(int l) const { return bands_[static_cast<std::size_t>(l - first_)]; }
 
  private:
   void lay_out() {
@@ -52,14 +56,13 @@ class ExchangeTable {
       size += static_cast<std::size_t>(from.slots * padded_slots(to.slots));
       return first;
     };
-    std::array<std::array<std::size_t, 4>, kLargestDegree + 1> first{};
-    for (int l = 0; l <= kLargestDegree; ++l) {
-      first[static_cast<std::size_t>(l)] = {
-          place(aligned(l), aligned(l)), place(twisted(l), twisted(l)),
-          place(raised(l), sideways(l)), place(sideways(l), raised(l))};
+    std::vector<std::array<std::size_t, 4>> first;
+    for (int l = first_; l <= last_; ++l) {
+      first.push_back({place(aligned(l), aligned(l)), place(twisted(l), twisted(l)),
+                       place(raised(l), sideways(l)), place(sideways(l), raised(l))});
     }
     values_.assign(size, 0.0);
-    for (std::size_t l = 0; l < bands_.size(); ++l) {
+    for (std::size_t l = 0; l < first.size(); ++l) {
       bands_[l] = {values_.data() + first[l][0], values_.data() + first[l][1],
                    values_.data() + first[l][2], values_.data() + first[l][3]};
     }
@@ -67,9 +70,8 @@ class ExchangeTable {
 
   /// One point of the quadrature, on all blocks.
   void add(const Vec3d& direction, double weight) {
-    const std::vector<double> plain = evaluate(direction, kLargestDegree);
-    const std::vector<double> exchanged =
-        evaluate({direction.x, direction.z, direction.y}, kLargestDegree);
+    const std::vector<double> plain = evaluate(direction, last_);
+    const std::vector<double> exchanged = evaluate({direction.x, direction.z, direction.y}, last_);
     const auto add_block = [&](int l, const double* block, const SlotClass& from,
                                const SlotClass& to) {
       double* column = values_.data() + (block - values_.data());
@@ -81,7 +83,7 @@ class ExchangeTable {
         }
       }
     };
-    for (int l = 0; l <= kLargestDegree; ++l) {
+    for (int l = first_; l <= last_; ++l) {
       const ExchangeBand& blocks = band(l);
       add_block(l, blocks.aligned_to_aligned, aligned(l), aligned(l));
       add_block(l, blocks.twisted_to_twisted, twisted(l), twisted(l));
@@ -90,15 +92,18 @@ class ExchangeTable {
     }
   }
 
+  int first_, last_;
   AlignedVector<double> values_;
-  std::array<ExchangeBand, kLargestDegree + 1> bands_{};
+  std::vector<ExchangeBand> bands_;
 };
 
 }  // namespace
 
 const ExchangeBand& exchange_band(int l) {
-  static const ExchangeTable kTable;
-  return kTable.band(l);
+  static const ExchangeTable kUsual(0, kLargestDegree);
+  if (l <= kLargestDegree) return kUsual.band(l);
+  static const ExchangeTable kOfLights(kLargestDegree + 1, kLargestLightDegree);
+  return kOfLights.band(l);
 }
 
 }  // namespace rimlight::sh

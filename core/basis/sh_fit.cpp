@@ -80,6 +80,7 @@ double checked_condition(const Rows& triangle, std::size_t directions) {
 
 Fit fit(std::span<const Vec3d> directions, std::span<const float> values, int degree) {
   check_degree(degree);
+  RIMLIGHT_CHECK(degree <= kLargestDegree);
   const std::size_t coefficients = coefficient_count(degree);
   check_input(directions, values, coefficients);
   RIMLIGHT_CHECK_EQ(values.size() % directions.size(), std::size_t{0});

@@ -52,9 +52,9 @@ inline constexpr std::size_t kLargestFit = std::size_t{1} << 27;
 
 /// The coefficients that minimise Σ (Σ_lm f_lm Y_lm − f)² over the directions (of any length but
 /// zero), each counting the same: by Householder QR in double, at 2 · directions · coefficients²
-/// operations. Error (where "fit of spherical harmonics") when a value or a direction is not finite
-/// or a direction is zero, when there are too many, or when the directions do not tell all
-/// coefficients apart: their rank is below (degree + 1)².
+/// operations. To kLargestDegree. Error (where "fit of spherical harmonics") when a value or a
+/// direction is not finite or a direction is zero, when there are too many, or when the directions
+/// do not tell all coefficients apart: their rank is below (degree + 1)².
 Fit fit(std::span<const Vec3d> directions, std::span<const float> values, int degree);
 
 }  // namespace rimlight::sh

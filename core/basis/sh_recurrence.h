@@ -20,12 +20,12 @@ struct RecurrenceStep {
 /// (x + iy)^m: so nothing is divided by the distance from a pole, and the largest number to
 /// degree 32 is Q_32^14(±1) ≈ 2e6. (The usual recurrence, e.g. Press et al. 2007, section 6.7.)
 struct Recurrence {
-  std::array<double, kLargestDegree + 1> first{};  // [m] Q_m^m
-  std::array<RecurrenceStep, kLargestDegree*(kLargestDegree + 1) / 2> steps{};
+  std::array<double, kLargestLightDegree + 1> first{};  // [m] Q_m^m
+  std::array<RecurrenceStep, kLargestLightDegree*(kLargestLightDegree + 1) / 2> steps{};
 
   /// The steps of an m, from l = m + 1 up.
   const RecurrenceStep* steps_of(int m) const {
-    return steps.data() + static_cast<std::size_t>(m * kLargestDegree - m * (m - 1) / 2);
+    return steps.data() + static_cast<std::size_t>(m * kLargestLightDegree - m * (m - 1) / 2);
   }
 };
 

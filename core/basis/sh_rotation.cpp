@@ -11,7 +11,7 @@ namespace {
 using Complex = std::complex<double>;
 
 /// Powers of the unit number e^iθ. Each product rounds once or twice, so the last is within
-/// 32 · 3e-16.
+/// 64 · 3e-16.
 AxialTurn axial_turn(const Complex& angle, int degree) {
   AxialTurn turn;
   double cosine = 1, sine = 0;

@@ -24,7 +24,7 @@ constexpr int raised_slots(int l) { return (l + 1) / 2; }
 /// Rows of a block are padded to whole vectors of the widest target.
 inline constexpr int kSlotLanes = 8;
 constexpr int padded_slots(int slots) { return (slots + kSlotLanes - 1) / kSlotLanes * kSlotLanes; }
-inline constexpr int kLargestSlots = padded_slots(aligned_slots(kLargestDegree));
+inline constexpr int kLargestSlots = padded_slots(aligned_slots(kLargestLightDegree));
 
 /// One band's exchange of y and z; each block column-major, [from slot][padded to slot], 64-byte
 /// aligned, zero in padding and empty slots.
@@ -35,18 +35,19 @@ struct ExchangeBand {
   const double* sideways_to_raised = nullptr;
 };
 
-/// All bands' exchange, J_mn = ∫ Y_lm(x, y, z) Y_ln(x, z, y) dω; computed once, in some
-/// milliseconds, by quadrature that is exact for these polynomials.
+/// All bands' exchange, J_mn = ∫ Y_lm(x, y, z) Y_ln(x, z, y) dω; computed once, by
+/// quadrature that is exact for these polynomials: in some milliseconds for all l ≤ kLargestDegree,
+/// and when a higher one is asked for, in some tens for the rest.
 const ExchangeBand& exchange_band(int l);
 
 /// cos mθ and sin mθ by falling m, even and odd m apart, padded with zeros.
 struct AxialTurn {
-  static constexpr int kCount = kLargestDegree / 2 + 1;
+  static constexpr int kCount = kLargestLightDegree / 2 + 1;
   double cosine[2][kCount + kSlotLanes] = {};
   double sine[2][kCount + kSlotLanes] = {};
 
   /// Where m's entry is, in the table of its parity.
-  static constexpr int slot(int m) { return (kLargestDegree - m) / 2; }
+  static constexpr int slot(int m) { return (kLargestLightDegree - m) / 2; }
 };
 
 /// A rotation as first Z(first), then J Z(middle) J, then Z(last); or only Z(last).

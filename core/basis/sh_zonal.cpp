@@ -20,7 +20,7 @@ double axial_value(int l) { return std::sqrt((2 * l + 1) / (4 * kPi)); }
 /// A lobe's degree, from its number of coefficients.
 int degree_of_lobe(std::size_t size) {
   RIMLIGHT_CHECK(size >= 1);
-  RIMLIGHT_CHECK(size <= static_cast<std::size_t>(kLargestDegree) + 1);
+  RIMLIGHT_CHECK(size <= static_cast<std::size_t>(kLargestLightDegree) + 1);
   return static_cast<int>(size) - 1;
 }
 

@@ -114,6 +114,7 @@ TEST(ShFit, RefusesNumbersThatAreNone) {
     EXPECT_THAT(test::error_of([&] { sh::fit(directions, values, 1); }),
                 testing::HasSubstr("direction 3 zero, too long or not finite"));
   }
+  EXPECT_THROW(sh::fit(directions, values, sh::kLargestDegree + 1), CheckFailure);
   const std::vector<Vec3d> many(130000, Vec3d(1, 0, 0));
   const std::vector<float> zeros(many.size());
   EXPECT_THAT(test::error_of([&] { sh::fit(many, zeros, 32); }),

@@ -59,21 +59,25 @@ double largest_difference(const std::vector<T>& a, const std::vector<T>& b) {
 
 TEST(ShRotation, ReconstructionOfTheRotatedIsTheRotatedReconstruction) {
   Random random(82);
-  double worst = 0;
-  const auto signal = random_double_signal(sh::kLargestDegree, random);
   const auto directions = telling_directions(20);
-  for (const Quaternion& rotation : telling_rotations()) {
-    const auto turned = rotated_signal(rotation, signal);
-    for (const Vec3d& direction : directions) {
-      const double truth = value_at(signal, rotated(conjugate(rotation), direction));
-      const double error = std::abs(value_at(turned, direction) - truth);
-      ASSERT_TRUE(std::isfinite(error));
-      worst = std::max(worst, error);
+  // The direction's own rounding moves a signal of 1,089 terms by 32 · √1089 · 2.3 · 2⁻⁵² = 5e-13,
+  // and one of 4,225 by six times as much.
+  for (const auto& [degree, bound] :
+       {std::pair{sh::kLargestDegree, 2e-12}, {sh::kLargestLightDegree, 1.2e-11}}) {
+    double worst = 0;
+    const auto signal = random_double_signal(degree, random);
+    for (const Quaternion& rotation : telling_rotations()) {
+      const auto turned = rotated_signal(rotation, signal);
+      for (const Vec3d& direction : directions) {
+        const double truth = value_at(signal, rotated(conjugate(rotation), direction));
+        const double error = std::abs(value_at(turned, direction) - truth);
+        ASSERT_TRUE(std::isfinite(error));
+        worst = std::max(worst, error);
+      }
     }
+    std::cout << "degree " << degree << ": worst error " << worst << "\n";
+    EXPECT_LE(worst, bound);
   }
-  std::cout << "worst error " << worst << "\n";
-  // The direction's own rounding moves a signal of 1,089 terms by 32 · √1089 · 2.3 · 2⁻⁵² = 5e-13.
-  EXPECT_LE(worst, 2e-12);
 }
 
 TEST(ShRotation, BandOneTurnsLikeAVector) {
@@ -193,8 +197,8 @@ TEST(ShRotation, TinyAnglesMoveByTheirSize) {
 
 TEST(ShRotation, FloatsAreTheRoundedDoublesOnEveryTargetAlsoInPlace) {
   Random random(89);
-  for (const int degree : {0, 1, 2, 3, 7, 8, 14, 15, 16, 17, 20, 31, 32}) {
-    for (const std::size_t signals : {0u, 1u, 2u, 3u, 4u, 7u}) {
+  for (const int degree : {0, 1, 2, 3, 7, 8, 14, 15, 16, 17, 20, 31, 32, 33, 63, 64}) {
+    for (const std::size_t signals : {0u, 1u, 3u, 5u}) {
       const std::size_t count = sh::coefficient_count(degree);
       std::vector<float> all;
       while (all.size() < signals * count) {
@@ -226,7 +230,7 @@ TEST(ShRotation, RefusesWhatIsNoRotationOrHasAnotherShape) {
   EXPECT_THROW(sh::Rotation({0, 0, 0, 0}, 3), CheckFailure);
   EXPECT_THROW(sh::Rotation({0, nan, 0, 1}, 3), CheckFailure);
   EXPECT_THROW(sh::Rotation({}, -1), CheckFailure);
-  EXPECT_THROW(sh::Rotation({}, sh::kLargestDegree + 1), CheckFailure);
+  EXPECT_THROW(sh::Rotation({}, sh::kLargestLightDegree + 1), CheckFailure);
   const sh::Rotation rotation({}, 2);
   std::vector<float> nine(9), ten(10);
   EXPECT_THROW(rotation.apply(ten, ten), CheckFailure);
