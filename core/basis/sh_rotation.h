@@ -10,9 +10,10 @@ namespace rimlight::sh {
 
 /// A rotation R of functions on the sphere, (R f)(ω) = f(R⁻¹ ω), on their coefficients: exact, as
 /// each band turns into itself. R = Z(α) Y(β) Z(γ) in Euler angles about z and y, and Y(β) = J
-/// Z(−β) J with J the exchange of the axes y and z, whose matrices are fixed (after Pinchon and
-/// Hoggan 2007, who exchange other axes). Z mixes m with −m only, and J is three quarters zeros, so
-/// a signal costs (n + 1)³/3 products twice, and no matrix is built. All of it in double:
+/// Z(−β) J with J the exchange of the axes y and z, whose matrices are fixed (the factors of
+/// Pinchon and Hoggan 2007; the matrices are ours, by quadrature). Z mixes m with −m only, and J is
+/// three quarters zeros, so a signal costs (n + 1)³/3 products twice, and no matrix is built. All
+/// of it in double:
 ///
 ///   a rotation of doubles is within 1e-13 of the truth, relative to the band's norm; one of floats
 ///   is rounded once more, to float

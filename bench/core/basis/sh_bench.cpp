@@ -1,7 +1,8 @@
 // Spherical harmonics on one thread. Beside the time, from the best of all iterations:
 //
 //   ns_value  a value of the basis at one direction (evaluate), in blocks of so many directions
-//   us        one rotation of a light: built from the quaternion and applied to one signal or three
+//   us        one rotation of a light of one or three signals, built from the quaternion and
+//             applied; or one projection of a cube map of 64 texels a side in three channels
 //   of_peak   the operations that the algorithm needs (an FMA is two, one in double counts twice)
 //             over the peak FLOP/s in single precision, measured in this run
 #include <benchmark/benchmark.h>
@@ -14,6 +15,7 @@
 #include "bench/support/peak_flops.h"
 #include "core/basis/sh.h"
 #include "core/basis/sh_kernel.h"
+#include "core/basis/sh_projection.h"
 #include "core/basis/sh_rotation.h"
 #include "core/math/random.h"
 #include "core/math/sampling.h"
@@ -85,6 +87,22 @@ void rotate(benchmark::State& state) {
   state.counters["us"] = 1e6 * seconds;
 }
 
+/// A cube map of 64 texels a side, three channels.
+void project(benchmark::State& state) {
+  const auto degree = static_cast<int>(state.range(0));
+  const sh::SphereQuadrature texels = sh::cube_quadrature(64);
+  Random random(3);
+  std::vector<float> light(3 * texels.directions.count());
+  for (float& value : light) value = random.uniform_float();
+  const double seconds = best_time(
+      state, [&] { benchmark::DoNotOptimize(sh::project(texels, light, degree).data()); });
+  // The basis as above, and an FMA for each channel.
+  const double values = static_cast<double>(texels.directions.count()) *
+                        static_cast<double>(sh::coefficient_count(degree));
+  state.counters["of_peak"] = (5 + 6) * values / seconds / bench::peak_flops();
+  state.counters["us"] = 1e6 * seconds;
+}
+
 BENCHMARK(evaluate)
     ->ArgNames({"degree", "block"})
     ->ArgsProduct({{4, 10, 20, 32}, {16, 64}})
@@ -93,6 +111,8 @@ BENCHMARK(rotate)
     ->ArgNames({"degree", "signals"})
     ->ArgsProduct({{4, 10, 20, 32}, {1, 3}})
     ->UseRealTime();
+
+BENCHMARK(project)->ArgName("degree")->Arg(10)->Arg(20)->UseRealTime();
 
 }  // namespace
 }  // namespace rimlight

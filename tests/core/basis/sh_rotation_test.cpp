@@ -9,6 +9,7 @@
 
 #include "core/base/check.h"
 #include "tests/core/basis/sh_cases.h"
+#include "tests/support/allocation_count.h"
 #include "tests/support/every_target.h"
 
 namespace rimlight {
@@ -223,6 +224,19 @@ TEST(ShRotation, FloatsAreTheRoundedDoublesOnEveryTargetAlsoInPlace) {
       });
     }
   }
+}
+
+TEST(ShRotation, AllocatesNothingOnceWarm) {
+  if (!test::kCountsAllocations) GTEST_SKIP() << "ThreadSanitizer has an operator new of its own";
+  Random random(90);
+  std::vector<float> light = random_signal(20, random);
+  const std::size_t cold = test::allocation_count();
+  std::vector<float> turned(light.size());
+  EXPECT_GT(test::allocation_count(), cold) << "the count is alive";
+  sh::Rotation(random_rotation(random), 20).apply(light, turned);
+  const std::size_t warm = test::allocation_count();
+  for (int i = 0; i < 20; ++i) sh::Rotation(random_rotation(random), 20).apply(light, turned);
+  EXPECT_EQ(test::allocation_count(), warm);
 }
 
 TEST(ShRotation, RefusesWhatIsNoRotationOrHasAnotherShape) {
