@@ -28,7 +28,8 @@ struct Band {
   Slots<kSignals> aligned, raised, sideways, twisted;
 };
 
-/// m and −m of the slots from `top` down, into both classes; `middle` is where m = 0.
+/// m and −m of the slots from `top` down, into both classes; `middle` is where m = 0. An empty slot
+/// gets m = 0 too, which neither a turn (its sine is 0) nor an exchange (its block is 0) looks at.
 template <int kSignals, typename T>
 HWY_INLINE void gather(const T* middle, std::size_t stride, int top, int slots,
                        Slots<kSignals>& positive, Slots<kSignals>& negative) {
@@ -39,8 +40,6 @@ HWY_INLINE void gather(const T* middle, std::size_t stride, int top, int slots,
       positive.of[s][i] = static_cast<double>(from[m]);
       negative.of[s][i] = static_cast<double>(from[-m]);
     }
-    // The empty slot.
-    if (top - 2 * (slots - 1) == 0) negative.of[s][slots - 1] = 0;
   }
 }
 

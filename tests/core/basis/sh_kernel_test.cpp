@@ -63,6 +63,11 @@ TEST(ShKernel, TakesDirectionsOfAnyLength) {
   Random random(72);
   for (const Vec3d& d : telling_directions(50)) {
     scaled.push_back(d * std::pow(10, random.uniform(-18, 18)));
+    scaled.push_back(d * random.uniform(0.99, 1.01));
+    // Whole groups that are nearly unit take another path.
+    for (std::size_t i = 0; i < sh::kDirectionLanes; ++i) {
+      scaled.push_back(d * (1 + std::pow(10, random.uniform(-9, -5))));
+    }
   }
   const sh::Directions directions(scaled);
   const auto truth = truth_at(directions, 20);

@@ -135,7 +135,8 @@ TEST(ShRotation, MatricesAreOrthogonalAndTheInversesAreTheirTransposes) {
 
 TEST(ShRotation, TheIdentityChangesNoBit) {
   Random random(84);
-  const auto signal = random_signal(sh::kLargestDegree, random);
+  auto signal = random_signal(sh::kLargestDegree, random);
+  for (std::size_t i = 0; i < signal.size(); i += 3) signal[i] *= 1e-25f;  // beside large ones
   EXPECT_EQ(rotated_signal({}, signal), signal);
   EXPECT_EQ(rotated_signal({0, 0, 0, -3}, signal), signal) << "of any length and sign";
 }
