@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/math/random.h"
-#include "tests/core/bake/every_target.h"
+#include "tests/support/every_target.h"
 
 namespace rimlight {
 namespace {

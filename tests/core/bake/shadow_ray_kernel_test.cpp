@@ -10,7 +10,7 @@
 
 #include "core/base/check.h"
 #include "core/math/sampling.h"
-#include "tests/core/bake/every_target.h"
+#include "tests/support/every_target.h"
 #include "tests/core/bake/random_samples.h"
 #include "tests/support/statistics.h"
 
