@@ -1,7 +1,9 @@
 // Products of spherical harmonics to one degree, on one thread. Beside the time of a call:
 //
 //   ns_product   median time ÷ receivers of a call
+//   us_build     median time of a product matrix, three channels, the light to twice the degree
 //   of_peak      additions and multiplications done a second ÷ peak_flops() of this run
+//   of_table     the same multiply-adds by walking the list of tripling coefficients ÷ us_build
 //   of_tripling  median time of the sum over tripling coefficients, in scalar code, ÷ ns_product;
 //                in turn in this run
 #include <benchmark/benchmark.h>
@@ -12,6 +14,7 @@
 #include "bench/core/basis/peak_flops.h"
 #include "core/base/stopwatch.h"
 #include "core/basis/sh_product.h"
+#include "core/basis/sh_product_matrix.h"
 #include "core/math/random.h"
 
 namespace rimlight {
@@ -83,6 +86,75 @@ void project_product(benchmark::State& state) {
   state.counters["of_tripling"] = median(tripling_seconds) / of_one;
 }
 
+/// The matrix by the plain list of coefficients, for all channels: what a build replaces.
+double seconds_of_list(const ShTripling& table, const AlignedVector<float>& light,
+                       AlignedVector<float>& matrix) {
+  const std::size_t size = sh_product::coefficient_count(table.degree());
+  const std::size_t channel = light.size() / ShProductMatrix::kChannels;
+  const Stopwatch watch;
+  std::ranges::fill(matrix, 0.0f);
+  table.for_each([&](std::size_t i, std::size_t j, std::size_t k, float value) {
+    for (std::size_t c = 0; c < ShProductMatrix::kChannels; ++c) {
+      matrix[(c * size + i) * size + j] += value * light[c * channel + k];
+    }
+  });
+  benchmark::DoNotOptimize(matrix.data());
+  return watch.elapsed_seconds();
+}
+
+void build_matrix(benchmark::State& state) {
+  const auto degree = static_cast<int>(state.range(0));
+  const auto light = random_values(3 * sh_product::coefficient_count(2 * degree), 3);
+  ShProductMatrix matrix(degree);
+  AlignedVector<float> listed(3 * matrix.size() * matrix.size());
+  std::vector<double> seconds, list_seconds;
+  for (auto _ : state) {
+    const Stopwatch watch;
+    matrix.set_light(light);
+    benchmark::DoNotOptimize(matrix.row(0, 0));
+    seconds.push_back(watch.elapsed_seconds());
+    state.SetIterationTime(seconds.back());
+    list_seconds.push_back(seconds_of_list(ShTripling::to_degree(degree), light, listed));
+  }
+  state.SetLabel(sh_product_target());
+  state.counters["us_build"] = 1e6 * median(seconds);
+  state.counters["of_table"] = median(list_seconds) / median(seconds);
+}
+
+/// Arguments: degree, receivers; all degrees at once, or one after another.
+void multiply_matrix(benchmark::State& state, bool by_degree) {
+  const auto degree = static_cast<int>(state.range(0));
+  const auto receivers = static_cast<std::size_t>(state.range(1));
+  ShProductMatrix matrix(degree);
+  matrix.set_light(random_values(3 * sh_product::coefficient_count(2 * degree), 4));
+  const auto transport = random_values(matrix.size() * receivers, 5);
+  AlignedVector<float> product(3 * transport.size());
+  std::vector<double> seconds;
+  for (auto _ : state) {
+    const Stopwatch watch;
+    std::ranges::fill(product, 0.0f);
+    for (int l = 0; l <= degree; l = by_degree ? l + 1 : degree + 1) {
+      add_product_degrees(matrix, {l, by_degree ? l : degree}, transport, product, receivers);
+    }
+    benchmark::DoNotOptimize(product.data());
+    seconds.push_back(watch.elapsed_seconds());
+    state.SetIterationTime(seconds.back());
+  }
+  const double of_one = median(seconds) / static_cast<double>(receivers);
+  state.SetLabel(sh_product_target());
+  state.counters["ns_product"] = 1e9 * of_one;
+  state.counters["of_peak"] = product_degrees_flops({0, degree}) / of_one / peak_flops();
+}
+
+BENCHMARK(build_matrix)->ArgName("degree")->Arg(10)->Arg(13)->UseManualTime();
+BENCHMARK_CAPTURE(multiply_matrix, at_once, false)
+    ->ArgNames({"degree", "receivers"})
+    ->ArgsProduct({{9, 10, 13}, {64, 256}})
+    ->UseManualTime();
+BENCHMARK_CAPTURE(multiply_matrix, by_degree, true)
+    ->ArgNames({"degree", "receivers"})
+    ->ArgsProduct({{9, 10, 13}, {64}})
+    ->UseManualTime();
 BENCHMARK(project_product)->ArgName("degree")->Arg(9)->Arg(10)->Arg(12)->Arg(13)->UseManualTime();
 
 }  // namespace
