@@ -47,20 +47,30 @@ ShProductMatrix::ShProductMatrix(int degree)
   size_ = sh_product::coefficient_count(degree);
   stride_ = (size_ + kRowMultiple - 1) / kRowMultiple * kRowMultiple;
   values_.resize(kChannels * size_ * stride_);
+  rows_.resize(2 * stride_ * ShMatrixBuild::kPixel);
   packed_.resize(static_cast<std::size_t>((2 * degree + 1) * (degree + 1)) * ShPackedLight::kEntry);
 }
 
 void ShProductMatrix::set_light(std::span<const float> light, const ShDegreeRange& degrees) {
-  std::ranges::fill(values_, 0.0f);
-  add_light(light, degrees);
+  build(light, degrees, Build::from_zero);
 }
 
 void ShProductMatrix::add_light(std::span<const float> light, const ShDegreeRange& degrees) {
+  build(light, degrees, Build::on_top);
+}
+
+void ShProductMatrix::build(std::span<const float> light, const ShDegreeRange& degrees, Build how) {
   RIMLIGHT_CHECK(degrees.first >= 0 && degrees.first <= degrees.last);
   const int last = std::min({degrees.last, light_degree(light.size()), 2 * degree_});
   pack_light(light, 2 * degree_, last, packed_);
-  build_product_matrix(
-      {table_, {2 * degree_, packed_.data()}, degrees.first, last, values_.data(), stride_});
+  build_product_matrix({table_,
+                        {2 * degree_, packed_.data()},
+                        degrees.first,
+                        last,
+                        how == Build::on_top,
+                        rows_.data(),
+                        values_.data(),
+                        stride_});
 }
 
 void add_product_degrees(const ShProductMatrix& matrix, const ShDegreeRange& degrees,

@@ -53,13 +53,15 @@ class ShProductMatrix {
   std::size_t stride() const { return stride_; }
 
  private:
-  void build(std::span<const float> light, const ShDegreeRange& degrees);
+  enum class Build { from_zero, on_top };
+  void build(std::span<const float> light, const ShDegreeRange& degrees, Build how);
 
   int degree_;
   std::size_t size_, stride_;
   const ShTripling* table_;
   AlignedVector<float> values_;  // [channel][i][stride]
   AlignedVector<float> packed_;  // the light, in the kernel's order
+  AlignedVector<float> rows_;    // two rows on their way into values_
 };
 
 /// Adds to the products of many receivers' transport with a light what they gain when both, and the

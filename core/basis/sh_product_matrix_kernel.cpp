@@ -14,6 +14,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr size_t kEntry = ShPackedLight::kEntry;
 constexpr size_t kChannels = 3;
+constexpr size_t kPixel = ShMatrixBuild::kPixel;
 /// An entry of the light is one vector of 8, or several of fewer.
 using Floats = hn::CappedTag<float, kEntry>;
 constexpr size_t kVectors = kEntry / hn::MaxLanes(Floats());
@@ -49,59 +50,30 @@ HWY_INLINE RunSum sum_run(const ShMatrixBuild& build, int l1, int l2, int m3,
   return sum;
 }
 
-/// One (l, m), m ≥ 0: the rows of its cosine and its sine (none when m = 0).
-struct Harmonic {
-  size_t cosine, sine;
-  bool has_sine;
-  Harmonic(int l, int m)
-      : cosine(sh_product::place(l, m)), sine(sh_product::place(l, -m)), has_sine(m != 0) {}
-};
-
-HWY_INLINE void add_entry(const ShMatrixBuild& build, size_t i, size_t j, const float* rgb) {
-  const size_t channel = sh_product::coefficient_count(build.table->degree()) * build.stride;
-  float* to = build.matrix + i * build.stride + j;
-  for (size_t c = 0; c < kChannels; ++c, to += channel) *to += rgb[c];
-}
-
 /// The four products of {cos, sin} m₁φ and {cos, sin} m₂φ from the sums P at m₁ + m₂ and N at
 /// |m₁ − m₂|, each {cosine, sine}; s = ±1 is the sign of m₁ − m₂:
 ///     cos cos: Pc + Nc    sin cos: Ps + s·Ns    sin sin: Nc − Pc    cos sin: Ps − s·Ns
-HWY_INLINE void combine(const RunSum& plus, const RunSum& minus, float sign,
+/// `to`: cos cos, sin cos, sin sin, cos sin, each R, G, B, 0.
+HWY_INLINE void combine(const RunSum& plus, const RunSum& minus, bool negative,
                         float* HWY_RESTRICT to) {
+  alignas(64) static constexpr float kSign[2][kEntry] = {{1, 1, 1, 1, 1, 1, 1, 1},
+                                                         {1, 1, 1, 1, -1, -1, -1, -1}};
   const Floats floats;
-  alignas(64) const float first[kEntry] = {1, 1, 1, 1, sign, sign, sign, sign};
-  alignas(64) const float second[kEntry] = {1, 1, 1, 1, -1, -1, -1, -1};
   for (size_t v = 0; v < kVectors; ++v) {
     const size_t at = v * hn::Lanes(floats);
-    const auto signed_minus = hn::Mul(hn::Load(floats, first + at), minus.vector[v]);
-    const auto flip = hn::Load(floats, second + at);
+    const auto signed_minus = hn::Mul(hn::Load(floats, kSign[negative] + at), minus.vector[v]);
+    const auto difference = hn::Sub(signed_minus, plus.vector[v]);
     hn::Store(hn::Add(plus.vector[v], signed_minus), floats, to + at);
-    hn::Store(hn::Mul(flip, hn::Sub(signed_minus, plus.vector[v])), floats, to + kEntry + at);
+    hn::Store(hn::Mul(hn::Load(floats, kSign[1] + at), difference), floats, to + kEntry + at);
   }
 }
 
-/// The entries of row `i` and column `j`, whose sums are to be added at [j][i] too where both are
-/// of one degree; below lower degrees that is left to mirror().
-HWY_INLINE void add_pair(const ShMatrixBuild& build, const Harmonic& i, const Harmonic& j,
-                         bool both_ways, const float* sums) {
-  const float* const cos_cos = sums;
-  const float* const sin_cos = sums + 4;
-  const float* const sin_sin = sums + kEntry;
-  const float* const cos_sin = sums + kEntry + 4;
-  add_entry(build, i.cosine, j.cosine, cos_cos);
-  if (i.has_sine) add_entry(build, i.sine, j.cosine, sin_cos);
-  if (j.has_sine) add_entry(build, i.cosine, j.sine, cos_sin);
-  if (i.has_sine && j.has_sine) add_entry(build, i.sine, j.sine, sin_sin);
-  if (!both_ways) return;
-  add_entry(build, j.cosine, i.cosine, cos_cos);
-  if (i.has_sine) add_entry(build, j.cosine, i.sine, sin_cos);
-  if (j.has_sine) add_entry(build, j.sine, i.cosine, cos_sin);
-  if (i.has_sine && j.has_sine) add_entry(build, j.sine, i.sine, sin_sin);
-}
-
-/// Rows of (l₁, ±m₁), to the left of the diagonal block and in it.
-HWY_INLINE void add_rows(const ShMatrixBuild& build, int l1, int m1, const float*& values) {
-  const Harmonic i(l1, m1);
+/// Rows of (l₁, ±m₁), to the left of the diagonal block and in it: first as [column][R, G, B, 0],
+/// as they come, the row of the cosine and, `build.stride` columns on, that of the sine.
+HWY_INLINE void sum_rows(const ShMatrixBuild& build, int l1, int m1, const float*& values) {
+  const auto column = [&](size_t row, int l2, int m2) {
+    return build.rows + kPixel * (row * build.stride + sh_product::place(l2, m2));
+  };
   alignas(64) float sums[2 * kEntry];
   for (int l2 = 0; l2 <= l1; ++l2) {
     const int last = l2 < l1 ? l2 : m1;
@@ -113,23 +85,50 @@ HWY_INLINE void add_rows(const ShMatrixBuild& build, int l1, int m1, const float
       } else {
         for (auto& vector : minus.vector) vector = hn::Zero(Floats());
       }
-      combine(plus, minus, m1 < m2 ? -1.0f : 1.0f, sums);
-      add_pair(build, i, Harmonic(l2, m2), l1 == l2 && m1 != m2, sums);
+      combine(plus, minus, m1 < m2, sums);
+      hwy::CopyBytes<sizeof(float) * kPixel>(sums, column(0, l2, m2));
+      hwy::CopyBytes<sizeof(float) * kPixel>(sums + kPixel, column(1, l2, m2));
+      if (m2 == 0) continue;
+      hwy::CopyBytes<sizeof(float) * kPixel>(sums + 2 * kPixel, column(1, l2, -m2));
+      hwy::CopyBytes<sizeof(float) * kPixel>(sums + 3 * kPixel, column(0, l2, -m2));
     }
   }
 }
 
-/// Copies what is below the diagonal blocks to above them, a few columns at a time.
-void mirror(const ShMatrixBuild& build) {
-  const int degree = build.table->degree();
-  const size_t size = sh_product::coefficient_count(degree);
-  for (size_t channel = 0; channel < kChannels; ++channel) {
-    float* const matrix = build.matrix + channel * size * build.stride;
-    for (int l = 1; l <= degree; ++l) {
-      const size_t begin = sh_product::place(l, -l), end = sh_product::place(l, l) + 1;
-      for (size_t j = 0; j < begin; ++j) {
-        float* const to = matrix + j * build.stride;
-        for (size_t i = begin; i < end; ++i) to[i] = matrix[i * build.stride + j];
+/// A row of sums to row i of the channels. What is right of the diagonal block, and of the diagonal
+/// block where |m₂| > |m₁|, is left over from earlier rows; mirror() writes there.
+HWY_INLINE void finish_row(const ShMatrixBuild& build, size_t i, size_t end, const float* sums) {
+  const hn::CappedTag<float, 16> floats;
+  const size_t channel = sh_product::coefficient_count(build.table->degree()) * build.stride;
+  float* const to = build.matrix + i * build.stride;
+  for (size_t j = 0; j < end; j += hn::Lanes(floats)) {
+    auto red = hn::Undefined(floats), green = red, blue = red, unused = red;
+    hn::LoadInterleaved4(floats, sums + kPixel * j, red, green, blue, unused);
+    if (build.adds) {
+      red = hn::Add(red, hn::Load(floats, to + j));
+      green = hn::Add(green, hn::Load(floats, to + channel + j));
+      blue = hn::Add(blue, hn::Load(floats, to + 2 * channel + j));
+    }
+    hn::Store(red, floats, to + j);
+    hn::Store(green, floats, to + channel + j);
+    hn::Store(blue, floats, to + 2 * channel + j);
+  }
+}
+
+/// What is known from rows below, or of a larger |m| in the same degree, to where it is missing.
+void mirror(const ShMatrixBuild& build, float* matrix) {
+  for (int l = 1; l <= build.table->degree(); ++l) {
+    const size_t begin = sh_product::place(l, -l), end = sh_product::place(l, l) + 1;
+    for (size_t j = 0; j < begin; ++j) {
+      float* const to = matrix + j * build.stride;
+      for (size_t i = begin; i < end; ++i) to[i] = matrix[i * build.stride + j];
+    }
+    const size_t zonal = sh_product::place(l, 0);
+    for (size_t m = 0; m < zonal - begin; ++m) {
+      for (size_t j = zonal - m; j <= zonal + m; ++j) {
+        for (const size_t i : {zonal - m - 1, zonal + m + 1}) {
+          matrix[j * build.stride + i] = matrix[i * build.stride + j];
+        }
       }
     }
   }
@@ -137,10 +136,19 @@ void mirror(const ShMatrixBuild& build) {
 
 void build_lanes(const ShMatrixBuild& build) {
   const float* values = build.table->values().data();
-  for (int l1 = 0; l1 <= build.table->degree(); ++l1) {
-    for (int m1 = 0; m1 <= l1; ++m1) add_rows(build, l1, m1, values);
+  for (int l = 0; l <= build.table->degree(); ++l) {
+    const size_t end = sh_product::coefficient_count(l);
+    for (int m = 0; m <= l; ++m) {
+      sum_rows(build, l, m, values);
+      finish_row(build, sh_product::place(l, m), end, build.rows);
+      if (m == 0) continue;
+      finish_row(build, sh_product::place(l, -m), end, build.rows + kPixel * build.stride);
+    }
   }
-  mirror(build);
+  const size_t size = sh_product::coefficient_count(build.table->degree());
+  for (size_t channel = 0; channel < kChannels; ++channel) {
+    mirror(build, build.matrix + channel * size * build.stride);
+  }
 }
 
 }  // namespace

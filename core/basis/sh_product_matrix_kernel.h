@@ -23,12 +23,18 @@ struct ShPackedLight {
   }
 };
 
-/// M += Σ_k C(·, ·, k) L_k over k of degrees `first` … `last` of the light:
-///   matrix  [3][(n + 1)²][stride], symmetric before as after
+/// M = Σ_k C(·, ·, k) L_k, or M += that, over k of degrees `first` … `last` of the light:
+///   matrix  [3][(n + 1)²][stride], symmetric before as after; stride a multiple of 16, padded with
+///   0 rows    [2][stride][kPixel], scratch that is 0 at first and then used for nothing else
+/// All 64-byte aligned.
 struct ShMatrixBuild {
+  static constexpr std::size_t kPixel = 4;
+
   const ShTripling* table;  // to degree n
   ShPackedLight light;
   int first, last;
+  bool adds;
+  float* rows;
   float* matrix;
   std::size_t stride;
 };
