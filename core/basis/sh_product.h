@@ -45,7 +45,7 @@ class ShProduct {
   ///   first    [(first degree + 1)²][lanes]      second  [(second degree + 1)²][lanes]
   ///   product  [(product degree + 1)²][lanes], overwritten; may be first or second
   /// `lanes` is a multiple of kLaneMultiple and the sizes fit, else CheckFailure. fp32; relative to
-  /// ‖f‖ ‖g‖ the error is below 4e-6 at degree 10 (test). The same bits for the same binary and
+  /// ‖f‖ ‖g‖ the error is below 1e-7 at degree 10 (test). The same bits for the same binary and
   /// target whatever other lanes hold. Allocates nothing but the workspace's first growth.
   void multiply(std::span<const float> first, std::span<const float> second,
                 std::span<float> product, std::size_t lanes, Workspace& workspace) const;

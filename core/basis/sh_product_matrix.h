@@ -35,12 +35,12 @@ class ShProductMatrix {
 
   /// The matrix of a light, planar: [kChannels][(K + 1)²], K 0 … kMaxLightDegree, else
   /// CheckFailure. Of its coefficients those of `degrees` count, as far as 2n; {0, n} reproduces
-  /// the thesis. fp32: each entry within 2⁻²² · √(2n) · ‖L‖ of the exact one. Allocates nothing.
+  /// the thesis. fp32: each entry within 2⁻²⁴ · ‖L‖ of the exact one. Allocates nothing.
   void set_light(std::span<const float> light, const ShDegreeRange& degrees = kAllDegrees);
 
-  /// Adds the matrix of a light to this one: with one degree of a light at a time, the increments
-  /// by which the matrix grows; all of them together are set_light() but for rounding. With
-  /// `degrees` of a change of light, what the change adds.
+  /// Adds the matrix of a light to this one. With one degree of a light after another it adds the
+  /// increments of that light's matrix, which end at set_light() but for rounding; with what a
+  /// light changed by, it follows the change.
   void add_light(std::span<const float> light, const ShDegreeRange& degrees = kAllDegrees);
 
   int degree() const { return degree_; }

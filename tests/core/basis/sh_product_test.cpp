@@ -85,11 +85,19 @@ TEST(ShProduct, IsTheSumOverTheTriplingCoefficients) {
 }
 
 TEST(ShProduct, IsAsAccurateAsItsHeaderSaysAtDegreeTen) {
-  for (std::uint64_t seed = 0; seed < 5; ++seed) {
-    const auto f = test::random_coefficients(10, 10 + seed);
-    const auto g = test::random_coefficients(10, 20 + seed);
-    const auto expected = test::brute_force_product<float>(f, g, 10);
-    EXPECT_LE(relative_error(ShProduct({10, 10, 10}).multiply(f, g), expected, f, g), 1e-6);
+  // Rough functions, and the sharpest peak that a degree can have.
+  std::vector<std::vector<float>> functions;
+  for (std::uint64_t seed = 10; seed < 14; ++seed) {
+    functions.push_back(test::random_coefficients(10, seed));
+  }
+  const auto peak = test::harmonics_at(10, {0.48, -0.6, 0.64});
+  functions.emplace_back(peak.begin(), peak.end());
+  const ShProduct product({10, 10, 10});
+  for (const auto& f : functions) {
+    for (const auto& g : functions) {
+      const auto expected = test::brute_force_product<float>(f, g, 10);
+      EXPECT_LE(relative_error(product.multiply(f, g), expected, f, g), 1e-7);
+    }
   }
 }
 
