@@ -14,7 +14,7 @@ enum class ShGridDirection { to_grid, from_grid };
 /// Latitudes (half of them, see sh_latitudes.h) and azimuths (a quarter: φ = 2π (j + ½) / 4·count;
 /// the others mirror them) on which sums are integrals, to a degree.
 constexpr std::size_t sh_grid_count(int exact_degree) {
-  return static_cast<std::size_t>(exact_degree / 4 + 1);
+  return static_cast<std::size_t>(exact_degree) / 4 + 1;
 }
 
 /// One function's way to the grid, or from it, as products with small matrices. It goes over

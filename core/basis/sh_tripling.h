@@ -13,9 +13,12 @@ namespace sh_product {
 constexpr int kMaxDegree = 32;                   ///< of transport and of a product matrix
 constexpr int kMaxLightDegree = 2 * kMaxDegree;  ///< all that a product matrix can see of a light
 constexpr std::size_t coefficient_count(int degree) {
-  return static_cast<std::size_t>((degree + 1) * (degree + 1));
+  return static_cast<std::size_t>(degree + 1) * static_cast<std::size_t>(degree + 1);
 }
-constexpr std::size_t place(int l, int m) { return static_cast<std::size_t>(l * l + l + m); }
+constexpr std::size_t place(int l, int m) {
+  const int place = l * l + l + m;
+  return static_cast<std::size_t>(place);
+}
 }  // namespace sh_product
 
 /// Tripling coefficients C(i, j, k) = ∫ Y_i Y_j Y_k dω of real spherical harmonics: the first two
