@@ -26,6 +26,29 @@ struct InspectOptions {
 constexpr std::array<const char*, kWidths> kWidthNames = {"float", "16-bit", "8-bit", "4-bit"};
 constexpr std::array<const char*, kPlanes> kPlaneNames = {"luma", "chroma_red", "chroma_blue"};
 
+/// Columns of a band of which nothing is stored in any tile.
+std::size_t count_empty_columns(const Bake& bake, const CubeHaar& haar, int band) {
+  const auto first =
+      bake.column_bytes().begin() + static_cast<std::ptrdiff_t>(haar.band_begin(band));
+  const auto last =
+      bake.column_bytes().begin() + static_cast<std::ptrdiff_t>(haar.band_begin(band + 1));
+  return static_cast<std::size_t>(std::count(first, last, 0u));
+}
+
+/// A JSON object's members, a line each; whatever they are.
+void print_members(const char* title, const json& object) {
+  std::printf("\n  %s:\n", title);
+  for (const auto& [name, value] : object.items()) {
+    if (!value.is_object()) {
+      std::printf("    %-24s %s\n", name.c_str(), value.dump().c_str());
+      continue;
+    }
+    for (const auto& [of, part] : value.items()) {
+      std::printf("    %-24s %s\n", (name + ", " + of).c_str(), part.dump().c_str());
+    }
+  }
+}
+
 /// What a band of the bake holds.
 json describe_band(const Bake& bake, const CubeHaar& haar, int band) {
   const TransportView& transport = bake.transport();
@@ -51,6 +74,7 @@ json describe_band(const Bake& bake, const CubeHaar& haar, int band) {
                      static_cast<double>(kTileBlocks);
   json result = {{"band", band},
                  {"columns", columns},
+                 {"columns_left_out", count_empty_columns(bake, haar, band)},
                  {"runs", runs},
                  {"blocks", blocks},
                  {"density", static_cast<double>(by_plane[0]) / all},
@@ -103,16 +127,18 @@ void print(const json& bake, bool verified) {
               bake["cube_size"].get<int>(), mebibytes(bake["bytes"]),
               verified ? ", every checksum right" : "");
   std::printf(
-      "\n  band  columns  density  blocks: float  16-bit    8-bit    4-bit  chroma       MiB\n");
+      "\n  band  columns  left out  density  blocks: float    16-bit     8-bit     4-bit  chroma   "
+      "    "
+      "MiB\n");
   for (const json& band : bake["bands"]) {
     const json& width = band["blocks_by_width"];
     const auto blocks = std::max<std::size_t>(band["blocks"].get<std::size_t>(), 1);
     const auto luma = band["blocks_by_plane"]["luma"].get<std::size_t>();
-    std::printf("  %4d  %7zu  %5.1f %%  %13zu %7zu %8zu %8zu  %4.0f %%  %8.1f\n",
+    std::printf("  %4d  %7zu  %8zu  %5.1f %%  %13zu %9zu %9zu %9zu  %4.0f %%  %8.1f\n",
                 band["band"].get<int>(), band["columns"].get<std::size_t>(),
-                100 * band["density"].get<double>(), width["float"].get<std::size_t>(),
-                width["16-bit"].get<std::size_t>(), width["8-bit"].get<std::size_t>(),
-                width["4-bit"].get<std::size_t>(),
+                band["columns_left_out"].get<std::size_t>(), 100 * band["density"].get<double>(),
+                width["float"].get<std::size_t>(), width["16-bit"].get<std::size_t>(),
+                width["8-bit"].get<std::size_t>(), width["4-bit"].get<std::size_t>(),
                 100 - 100 * static_cast<double>(luma) / static_cast<double>(blocks),
                 mebibytes(band["bytes"]));
   }
@@ -126,9 +152,10 @@ void print(const json& bake, bool verified) {
     std::printf(" %s (%d × %d)", one["name"].get<std::string>().c_str(), one["width"].get<int>(),
                 one["height"].get<int>());
   }
-  std::printf("\n\n  left out: %s\n  measured: %s\n  settings: %s\n",
-              bake["left_out"].dump().c_str(), bake["measured"].dump().c_str(),
-              bake["settings"].dump().c_str());
+  std::printf("\n");
+  print_members("left out, and what that costs", bake["left_out"]);
+  print_members("measured", bake["measured"]);
+  print_members("settings", bake["settings"]);
 }
 
 int run(const InspectOptions& options) {
