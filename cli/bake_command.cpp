@@ -89,7 +89,7 @@ void add_bake_command(CLI::App& app, Action& chosen) {
                    "Texels a side of the light's cube map, instead of the scene's")
       ->check(CLI::IsMember({4, 8, 16, 32, 64, 128}));
   command
-      ->add_option("--psnr-db", options->psnr_db,
+      ->add_option("--psnr", options->psnr_db,
                    "Error that compression may cost under the worst check light, as displayed, "
                    "instead of the scene's")
       ->check(number_range(20, 90));

@@ -35,16 +35,22 @@ std::size_t count_empty_columns(const Bake& bake, const CubeHaar& haar, int band
   return static_cast<std::size_t>(std::count(first, last, 0u));
 }
 
+/// A name as JSON escapes it, without the quotes: nothing in it moves the cursor.
+std::string printable(const std::string& name) {
+  const std::string quoted = json(name).dump();
+  return quoted.substr(1, quoted.size() - 2);
+}
+
 /// A JSON object's members, a line each; whatever they are.
 void print_members(const char* title, const json& object) {
   std::printf("\n  %s:\n", title);
   for (const auto& [name, value] : object.items()) {
     if (!value.is_object()) {
-      std::printf("    %-24s %s\n", name.c_str(), value.dump().c_str());
+      std::printf("    %-28s %s\n", printable(name).c_str(), value.dump().c_str());
       continue;
     }
     for (const auto& [of, part] : value.items()) {
-      std::printf("    %-24s %s\n", (name + ", " + of).c_str(), part.dump().c_str());
+      std::printf("    %-28s %s\n", printable(name + ", " + of).c_str(), part.dump().c_str());
     }
   }
 }

@@ -14,6 +14,14 @@ namespace {
 
 constexpr std::size_t kReferenceReceivers = 8192;
 
+/// The output folder, made if need be.
+std::filesystem::path make_folder(const ReportOptions& options) {
+  std::error_code failure;
+  std::filesystem::create_directories(options.output, failure);
+  if (failure) throw Error(options.output, failure.message(), "a folder to write to");
+  return options.output;
+}
+
 }  // namespace
 
 void add_report_options(CLI::App& command, ReportOptions& options) {
@@ -43,15 +51,11 @@ std::unique_ptr<const Bake> open_bake(const ReportOptions& options) {
   return std::make_unique<const Bake>(folder);
 }
 
-std::filesystem::path make_folder(const ReportOptions& options) {
-  std::error_code failure;
-  std::filesystem::create_directories(options.output, failure);
-  if (failure) throw Error(options.output, failure.message(), "a folder to write to");
-  return options.output;
-}
-
-void publish(const nlohmann::json& report, const Figures& figures, const ReportOptions& options) {
+void publish(const nlohmann::json& report,
+             const std::function<Figures(const std::filesystem::path& folder)>& draw,
+             const ReportOptions& options) {
   write_report(report, options.output);
+  const Figures figures = draw(options.output);
   if (figures.pictures.size() < figures.scripts.size()) {
     std::fprintf(stderr, "rimlight report: gnuplot is not installed: %zu scripts, no pictures\n",
                  figures.scripts.size());

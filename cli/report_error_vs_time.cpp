@@ -85,7 +85,10 @@ int run(const Options& options) {
                  bake.folder().c_str());
   }
   print_summary(report);
-  publish(to_json(report), draw_figures(report, make_folder(options.report)), options.report);
+  const auto draw = [&report](const std::filesystem::path& folder) {
+    return draw_figures(report, folder);
+  };
+  publish(to_json(report), draw, options.report);
   return 0;
 }
 

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -28,12 +29,11 @@ void add_report_options(CLI::App& command, ReportOptions& options);
 /// Throws Error.
 std::unique_ptr<const Bake> open_bake(const ReportOptions& options);
 
-/// The output folder, made if need be. Throws Error.
-std::filesystem::path make_folder(const ReportOptions& options);
-
-/// Writes a report's files, prints it where --json asks for it, and says when figures could not be
-/// drawn.
-void publish(const nlohmann::json& report, const Figures& figures, const ReportOptions& options);
+/// Writes a report's files, draws its figures, prints it where --json asks for it, and says when
+/// figures could not be drawn. Throws Error.
+void publish(const nlohmann::json& report,
+             const std::function<Figures(const std::filesystem::path& folder)>& draw,
+             const ReportOptions& options);
 
 // One function an experiment.
 void add_error_vs_time_report(CLI::App& report, Action& chosen);

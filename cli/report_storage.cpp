@@ -22,7 +22,10 @@ int run(const ReportOptions& options) {
                comparison.stored.worst_psnr_db, comparison.stored.worst_light.c_str(),
                comparison.csr_bytes_at_stored_error,
                comparison.csr_bytes_at_stored_error / comparison.stored.bytes_per_receiver);
-  publish(to_json(comparison), draw_figures(comparison, make_folder(options)), options);
+  const auto draw = [&comparison](const std::filesystem::path& folder) {
+    return draw_figures(comparison, folder);
+  };
+  publish(to_json(comparison), draw, options);
   return 0;
 }
 

@@ -63,6 +63,21 @@ void measure(const PlanRequest& request, const GainOf& gain_of, ColumnGains& gai
   }
 }
 
+/// Columns of which another layer than the first still lacks something come last.
+void rank_other_layers(const PlanRequest& request, ColumnGains& gains) {
+  for (std::size_t layer = 1; layer < kLayers; ++layer) {
+    if (&request.held.layer(layer) == &request.held.layer(0)) continue;
+    for (int c = 0; c < 3; ++c) {
+      const float* const target = request.target.channel(c).data();
+      const float* const held = request.held.layer(layer).channel(c).data();
+      for (std::size_t i = 0; i < gains.rank.size(); ++i) {
+        const bool lacks = (gains.rank[i] == 0) & (target[i] != held[i]);
+        gains.rank[i] += ColumnGains::kLastRank * static_cast<std::uint32_t>(lacks);
+      }
+    }
+  }
+}
+
 template <typename GainOf>
 void measure(const PlanRequest& request, Alternative alternative, const GainOf& gain_of,
              ColumnGains& gains) {
@@ -70,6 +85,7 @@ void measure(const PlanRequest& request, Alternative alternative, const GainOf& 
     measure<Alternative::reset>(request, gain_of, gains);
   } else {
     measure<Alternative::increment>(request, gain_of, gains);
+    rank_other_layers(request, gains);
   }
 }
 

@@ -27,6 +27,10 @@ class Candidates {
   std::size_t count() const { return per_column_ * basis_->coefficient_count(); }
   int band_count() const { return basis_->band_count(); }
   std::size_t band_begin(int band) const { return per_column_ * basis_->band_begin(band); }
+  std::size_t column_of(std::size_t candidate) const { return candidate / per_column_; }
+  LayerSet layers_of(std::size_t candidate) const {
+    return are_parts() ? static_cast<LayerSet>(1 << candidate % per_column_) : kAllLayers;
+  }
 
  private:
   Candidates(const CubeHaar& basis, std::size_t per_column)

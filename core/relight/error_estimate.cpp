@@ -15,23 +15,28 @@ ErrorEstimate ErrorEstimator::estimate(const CubeLight& target, const HeldLight&
   RIMLIGHT_CHECK_EQ(target.count(), columns);
   RIMLIGHT_CHECK_EQ(held.count(), columns);
   residual_.resize(3 * parts);
-  std::array<SketchedSquares, 3> squares;
-  const auto of_channel = [&](std::size_t c) {
+  // Ranges of columns that do not depend on the threads, and neither do the sums.
+  constexpr std::size_t kRanges = 8;
+  std::array<std::array<SketchedImages, kRanges>, 3> sketched;
+  const auto sketch_range = [&](std::size_t i) {
+    const std::size_t c = i / kRanges, range = i % kRanges;
+    const std::size_t first = columns * range / kRanges, end = columns * (range + 1) / kRanges;
     const auto wanted = target.channel(static_cast<int>(c));
     const auto residual = std::span(residual_).subspan(c * parts, parts);
     for (std::size_t layer = 0; layer < kLayers; ++layer) {
       const auto shown = held.layer(layer).channel(static_cast<int>(c));
-      for (std::size_t i = 0; i < columns; ++i) {
-        residual[part_of(i, layer)] = wanted[i] - shown[i];
+      for (std::size_t column = first; column < end; ++column) {
+        residual[part_of(column, layer)] = wanted[column] - shown[column];
       }
     }
-    squares[c] = sketched_squares(sketch_, c, residual, wanted);
+    sketched[c][range] = sketch_images(sketch_, c, residual, wanted, first, end - first);
   };
-  parallel_for(squares.size(), std::cref(of_channel));
+  parallel_for(3 * kRanges, std::cref(sketch_range));
   ErrorEstimate estimate;
-  for (const SketchedSquares& channel : squares) {
-    estimate.error += channel.error;
-    estimate.residual += channel.residual;
+  for (auto& channel : sketched) {
+    for (std::size_t range = 1; range < kRanges; ++range) channel[0] += channel[range];
+    estimate.error += channel[0].error_squared();
+    estimate.residual += channel[0].residual_squared();
   }
   return {std::sqrt(estimate.error), std::sqrt(estimate.residual)};
 }

@@ -46,7 +46,6 @@ struct FrameRenderer::State {
   std::map<std::string, Light> lights;  // of the environments shown so far
   CubeLight texels;                     // of the rotated light; scratch of its transform
   CubeLight target;
-  CubeLight mean_held;
   std::array<float, kLayers> shares;  // of the image's energy, by layer
   FrameUpdater updater;
   RecentTimes showing;         // display and estimate: what a deadline has to leave
@@ -118,10 +117,9 @@ struct FrameRenderer::State {
     report.estimate_of_time = estimated.residual / image_norm;
   }
 
-  double residual() {
-    find_mean(relighter.held(), shares, mean_held);
+  double residual() const {
     const double size = weighted_size(haar, target);
-    return size > 0 ? weighted_distance(haar, target, mean_held) / size : 0;
+    return size > 0 ? weighted_distance(haar, target, relighter.held(), shares) / size : 0;
   }
 
   float exposure_of(const DesignState& state) const {

@@ -26,8 +26,8 @@ struct FrameReport {
   bool exact = false;
   std::size_t terms = 0;        // columns added
   std::size_t bands_reset = 0;  // bands that started from zero; all of them when exact
-  /// ‖target − held‖₁ / ‖target‖₁ of the lighting, area-weighted, held being the mean over layers
-  /// of transport by their energies; 0 when exact.
+  /// ‖target − held‖₁ / ‖target‖₁ of the lighting, area-weighted; of several layers of transport
+  /// the mean by their energies. 0 when exact.
   double residual = 0;
   /// Estimated relative L2 error of the image, linear radiance, compression included (see
   /// ErrorEstimator): of this frame, or of one a few frames ago where time is short. Nothing for a

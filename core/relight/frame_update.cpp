@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
@@ -11,13 +12,12 @@
 namespace rimlight {
 namespace {
 
-/// Of a deadline's time the first batch is planned for this share: what it then takes tells how
-/// much more there is.
-constexpr double kFirstShare = 0.8;
-constexpr double kNextShare = 0.8;
+/// A batch is planned for this share of the time that is left: what it then takes tells how much
+/// more there is.
+constexpr double kShare = 0.85;
 constexpr int kMostBatches = 4;
-/// Time too short for another batch: planning alone takes a good part of it.
-constexpr double kShortestBatchMs = 0.6;
+/// Time too short for another batch.
+constexpr double kShortestBatchMs = 0.3;
 
 /// What the cost model counts. Adding a block takes about the same time however wide it is; looking
 /// for a column in a tile, as much as a dozen blocks, since its offset is seldom in a cache; and
@@ -73,7 +73,9 @@ FrameUpdater::FrameUpdater(const Bake& bake, const CubeHaar& basis, const Policy
       relighter_(relighter),
       bytes_(count_bytes(bake)),
       work_(count_work(bake)),
-      most_work_of_a_column_(*std::ranges::max_element(work_.column)) {}
+      most_work_of_a_column_(*std::ranges::max_element(work_.column)),
+      work_of_a_tile_(std::accumulate(work_.column.begin(), work_.column.end(), 0.0) /
+                      static_cast<double>(relighter.tile_count())) {}
 
 std::uint64_t FrameUpdater::Costs::of(const ColumnDelta& delta) const {
   if (delta.layers == kAllLayers) return column[delta.column];
@@ -98,8 +100,8 @@ FrameUpdater::Costs FrameUpdater::count_work(const Bake& bake) {
     std::uint64_t blocks = 0, runs = 0;
     for (std::size_t layer = 0; layer < kLayers; ++layer) {
       const PartSize& size = sizes[part_of(column, layer)];
-      costs.part.push_back(
-          clamped(size.blocks * kWorkPerBlock + size.runs * kWorkPerRun + lookups));
+      const std::uint64_t work = size.blocks * kWorkPerBlock + size.runs * kWorkPerRun + lookups;
+      costs.part.push_back(size.blocks == 0 ? 0 : clamped(work));
       blocks += size.blocks;
       runs = std::max<std::uint64_t>(runs, size.runs);
     }
@@ -125,20 +127,23 @@ std::size_t FrameUpdater::band_image_bytes() const {
   return relighter_.tile_count() * kTileFloats * sizeof(float);
 }
 
-std::size_t FrameUpdater::planned_cost() const {
-  std::size_t cost = 0;
-  for (const ColumnDelta& column : plan_.columns) cost += work_.of(column);
+std::size_t FrameUpdater::work_done() const {
+  std::size_t work = 0;
+  for (const ColumnDelta& column : plan_.columns) work += work_.of(column);
   for (const BandUpdate& band : plan_.bands) {
-    if (band.action == BandAction::reset && band.count > 0) cost += band_image_bytes();
+    if (band.action == BandAction::reset && band.count > 0) work += band_image_bytes();
   }
-  return cost;
+  return work + static_cast<std::size_t>(static_cast<double>(relighter_.tiles_rebuilt()) *
+                                         work_of_a_tile_);
 }
 
 bool FrameUpdater::apply_batch(const CubeLight& target, const Budget& budget, const Costs& costs,
                                UpdateReport& report) {
   Stopwatch watch;
   plan(target, budget, costs);
-  report.plan_ms += watch.elapsed_ms();
+  const double planning = watch.lap_ms();
+  planning_.add(planning);
+  report.plan_ms += planning;
   const std::size_t resets = static_cast<std::size_t>(
       std::ranges::count(plan_.bands, BandAction::reset, &BandUpdate::action));
   if (plan_.columns.empty() && resets == 0) return false;
@@ -148,7 +153,10 @@ bool FrameUpdater::apply_batch(const CubeLight& target, const Budget& budget, co
   watch.lap_ms();
   relighter_.apply(plan_, target);
   const double taken = watch.lap_ms();
-  cost_.learn(planned_cost(), taken);
+  cost_.learn(work_done(), taken);
+  constexpr double kNewest = 0.2;
+  rebuilding_ +=
+      kNewest * (static_cast<double>(relighter_.tiles_rebuilt()) * work_of_a_tile_ - rebuilding_);
   report.apply_ms += taken;
   report.columns += plan_.column_count();
   for (const ColumnDelta& column : plan_.columns) report.bytes += bytes_.of(column);
@@ -162,13 +170,13 @@ void FrameUpdater::update_until(const CubeLight& target, double deadline_ms, Upd
   // A second batch of a policy that keeps nothing would undo the first.
   const int most_batches = keeps_nothing_ ? 1 : kMostBatches;
   for (int batch = 0; batch < most_batches; ++batch) {
-    const double left = deadline_ms - watch.elapsed_ms();
+    const double left = deadline_ms - watch.elapsed_ms() - planning_.typical_ms();
     if (batch > 0 && left < kShortestBatchMs) return;
-    const double share = batch == 0 && !keeps_nothing_ ? kFirstShare : kNextShare;
-    std::size_t cost = cost_.bytes_within(share * left);
+    const auto all = static_cast<double>(cost_.work_within(kShare * left));
+    auto work = static_cast<std::size_t>(std::max(0.0, all - rebuilding_));
     // However short the time, a column fits: else the image would stay as it is for ever.
-    if (batch == 0) cost = std::max(cost, most_work_of_a_column_);
-    if (!apply_batch(target, Budget::bytes(cost), work_, report)) return;
+    if (batch == 0) work = std::max(work, most_work_of_a_column_);
+    if (!apply_batch(target, Budget::bytes(work), work_, report)) return;
   }
 }
 

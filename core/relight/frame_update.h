@@ -12,6 +12,7 @@
 #include "core/relight/cost_model.h"
 #include "core/relight/policy.h"
 #include "core/relight/policy_settings.h"
+#include "core/relight/recent_times.h"
 #include "core/relight/relighter.h"
 #include "core/transport/bake_folder.h"
 
@@ -34,7 +35,7 @@ FrameBudget reduce_deadline(const FrameBudget& budget, double taken_ms);
 
 /// How one update came about.
 struct UpdateReport {
-  std::size_t columns = 0;        // added
+  std::size_t columns = 0;        // added, by batch: two batches may add layers of one
   std::size_t bytes = 0;          // of M, read for them
   std::size_t bands_reset = 0;    // bands that started from zero, in all batches
   std::uint32_t reset_bands = 0;  // the same, a bit a band
@@ -45,11 +46,11 @@ struct UpdateReport {
 
 /// Moves a relighter's image towards a target, frame by frame, within a budget.
 ///
-/// A deadline is kept by a cost model that learns from each frame what a byte takes, and by a look
-/// at the clock between batches of columns: the first batch is planned for most of the time, what
-/// is left is planned again, unless the policy starts from zero each time. Of the time, some is for
-/// rebuilding tiles against drift. However short the time, at least one column is applied while the
-/// light is not the target.
+/// A deadline is kept by a cost model that learns from each frame what work takes, and by a look at
+/// the clock between batches of columns: the first batch is planned for most of the time, what is
+/// left is planned again, unless the policy starts from zero each time. Planning, and the tiles
+/// that are rebuilt against drift, count by what they took lately. However short the time, at least
+/// one column is applied while the light is not the target.
 ///
 /// Allocates nothing after the first frames. One thread at a time; computes on all cores.
 class FrameUpdater {
@@ -78,8 +79,8 @@ class FrameUpdater {
                    UpdateReport& report);
   void update_until(const CubeLight& target, double deadline_ms, UpdateReport& report);
   std::size_t band_image_bytes() const;
-  /// What the cost model counts of the plan.
-  std::size_t planned_cost() const;
+  /// What the cost model counts of the plan, and of the tiles that were rebuilt beside it.
+  std::size_t work_done() const;
 
   const Bake& bake_;
   CubeHaar basis_;
@@ -89,6 +90,9 @@ class FrameUpdater {
   Costs bytes_;
   Costs work_;  // what the cost model counts
   std::size_t most_work_of_a_column_;
+  double work_of_a_tile_ = 0;  // that is rebuilt
+  double rebuilding_ = 0;      // work a batch, lately
+  RecentTimes planning_;
   CostModel cost_;
   PlanWorkspace workspace_;
   UpdatePlan plan_;

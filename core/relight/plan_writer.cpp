@@ -18,21 +18,30 @@ std::array<Vec3f, kLayers> deltas_of(const PlanRequest& request, BandAction acti
   return deltas;
 }
 
+/// Layers without blocks, which go with any other: to add them is no work.
+LayerSet empty_layers(const PlanRequest& request, const Candidates& candidates,
+                      std::size_t column) {
+  LayerSet layers = 0;
+  for (std::size_t layer = 0; candidates.are_parts() && layer < kLayers; ++layer) {
+    if (request.part_bytes[part_of(column, layer)] == 0)
+      layers |= static_cast<LayerSet>(1 << layer);
+  }
+  return layers;
+}
+
 /// Calls visit(column, layers) for the columns of a set of candidates, in ascending order.
 template <typename Visit>
 void for_each_column(const Candidates& candidates, const ColumnSet& columns, const Visit& visit) {
-  const std::size_t per_column = candidates.are_parts() ? kLayers : 1;
   std::size_t last = 0;
   LayerSet layers = 0;
   for (std::size_t word = 0; word < columns.words().size(); ++word) {
     for (std::uint64_t bits = columns.words()[word]; bits != 0; bits &= bits - 1) {
       const std::size_t candidate = 64 * word + static_cast<std::size_t>(std::countr_zero(bits));
-      const std::size_t column = candidate / per_column;
+      const std::size_t column = candidates.column_of(candidate);
       if (column != last && layers != 0) visit(last, layers);
       if (column != last) layers = 0;
       last = column;
-      layers |=
-          candidates.are_parts() ? static_cast<LayerSet>(1 << candidate % per_column) : kAllLayers;
+      layers |= candidates.layers_of(candidate);
     }
   }
   if (layers != 0) visit(last, layers);
@@ -59,7 +68,8 @@ void write_plan(const PlanRequest& request, const Candidates& candidates,
       band_end = request.basis.band_begin(static_cast<int>(band) + 2);
     }
     const std::size_t before = plan.columns.size();
-    append_deltas(column, deltas_of(request, actions[band], column), layers, plan.columns);
+    append_deltas(column, deltas_of(request, actions[band], column),
+                  layers | empty_layers(request, candidates, column), plan.columns);
     plan.bands[band].count += plan.columns.size() - before;
   });
   std::size_t first = 0;

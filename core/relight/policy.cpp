@@ -53,6 +53,15 @@ double weighted_distance(const CubeHaar& basis, const CubeLight& a, const CubeLi
   return sum;
 }
 
+double weighted_distance(const CubeHaar& basis, const CubeLight& target, const HeldLight& held,
+                         const std::array<float, kLayers>& shares) {
+  double sum = 0;
+  for (std::size_t layer = 0; layer < kLayers; ++layer) {
+    sum += static_cast<double>(shares[layer]) * weighted_distance(basis, target, held.layer(layer));
+  }
+  return sum;
+}
+
 double weighted_size(const CubeHaar& basis, const CubeLight& a) {
   double sum = 0;
   for (int band = 0; band < basis.band_count(); ++band) {

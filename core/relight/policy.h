@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -51,6 +52,9 @@ double area_weight(const CubeHaar& basis, int band);
 
 /// Σ over coefficients of area weight · Σ over channels of |a − b|.
 double weighted_distance(const CubeHaar& basis, const CubeLight& a, const CubeLight& b);
+/// The same from each layer's held light, weighed by the layers' shares.
+double weighted_distance(const CubeHaar& basis, const CubeLight& target, const HeldLight& held,
+                         const std::array<float, kLayers>& shares);
 /// The same distance from the black light.
 double weighted_size(const CubeHaar& basis, const CubeLight& a);
 

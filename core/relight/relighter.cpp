@@ -24,7 +24,7 @@ Relighter::Relighter(const TransportView& transport, const ReceiverValues& refle
   zero_.assign(bands, true);
   was_zero_.reserve(bands);
   fresh_plan_.bands.reserve(bands);  // the first rebuild may come late
-  fresh_plan_.columns.reserve(basis.coefficient_count());
+  fresh_plan_.columns.reserve(kLayers * basis.coefficient_count());
 }
 
 void Relighter::update_tile(const UpdatePlan& plan, const std::vector<bool>& is_zero,
@@ -73,25 +73,28 @@ void Relighter::apply(const UpdatePlan& plan, const CubeLight& target) {
   RIMLIGHT_CHECK(plan.columns.empty() || plan.columns.back().column < transport_.column_count());
   was_zero_ = zero_;
   move_held(plan, target);
-  choose_rebuilt_tiles(plan.columns.size());
+  choose_rebuilt_tiles(plan);
   if (plan.columns.empty()) return;
   // Tiles to rebuild come first: they take longest.
   const auto update = [&](std::size_t i) {
     const std::size_t tile = (next_rebuilt_ + i) % tile_count();
-    if (i < tiles_rebuilt_) {
-      update_tile(fresh_plan_, was_zero_, tile, images_);
-    } else {
-      update_tile(plan, was_zero_, tile, images_);
-    }
+    update_tile(i < tiles_rebuilt_ ? fresh_plan_ : plan, was_zero_, tile, images_);
   };
   parallel_for(tile_count(), std::cref(update));
   next_rebuilt_ = (next_rebuilt_ + tiles_rebuilt_) % tile_count();
 }
 
-void Relighter::choose_rebuilt_tiles(std::size_t columns) {
+void Relighter::choose_rebuilt_tiles(const UpdatePlan& plan) {
+  std::array<std::size_t, kLayers> additions{};
+  for (const ColumnDelta& column : plan.columns) {
+    for (std::size_t layer = 0; layer < kLayers; ++layer) {
+      additions[layer] += column.layers >> layer & 1;
+    }
+  }
   // One round through all tiles for every kMostAdditions columns added.
-  rebuild_credit_ += columns * tile_count();
-  tiles_rebuilt_ = std::min(rebuild_credit_ / kMostAdditions, tile_count());
+  const std::size_t most = *std::ranges::max_element(additions);
+  rebuild_credit_ = std::min(rebuild_credit_ + most * tile_count(), kMostAdditions * tile_count());
+  tiles_rebuilt_ = most == 0 ? 0 : rebuild_credit_ / kMostAdditions;
   if (tiles_rebuilt_ == 0) return;
   rebuild_credit_ -= tiles_rebuilt_ * kMostAdditions;
   plan_afresh(held_);
@@ -131,6 +134,7 @@ bool Relighter::apply_exact(const CubeLight& target, const std::function<bool()>
   parallel_for(tile_count(), std::cref(update));
   if (abandoned) return false;
   images_.swap(fresh_);
+  rebuild_credit_ = 0;
   move_held(fresh_plan_, target);
   return true;
 }

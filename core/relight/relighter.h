@@ -36,7 +36,9 @@ class Relighter {
   /// Applies a plan made for `target` and held(): resets bands, adds columns, moves held(). And
   /// rebuilds some tiles afresh from what is held, so that rounding never shows: each addition
   /// rounds a sum by at most 2⁻²⁴ of it, one way or the other, so that n of them leave a relative
-  /// error of about √(n/3) · 2⁻²⁴, 9.8e-6 for kMostAdditions; each tile is rebuilt before so many.
+  /// error of about √(n/3) · 2⁻²⁴, 9.7e-6 for kMostAdditions; each tile is rebuilt about once in so
+  /// many. Columns are counted by the layer that is added most often: a number lies in the same
+  /// layer of most columns.
   void apply(const UpdatePlan& plan, const CubeLight& target);
 
   /// The exact image: one fresh product with every column whose target is not zero, in ascending
@@ -66,8 +68,8 @@ class Relighter {
   void sum_bands(std::size_t tile, std::span<float, kTileFloats> held) const;
   void move_held(const UpdatePlan& plan, const CubeLight& target);
   void plan_afresh(const HeldLight& light);
-  /// How many are due when so many columns are added; and how, from the held light.
-  void choose_rebuilt_tiles(std::size_t columns);
+  /// How many are due when the plan is added; and how, from the held light.
+  void choose_rebuilt_tiles(const UpdatePlan& plan);
 
   TransportView transport_;
   const ReceiverValues& reflectance_;

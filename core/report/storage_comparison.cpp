@@ -45,10 +45,12 @@ class PrunedRows {
     std::vector<float> largest(rows.groups().size());
     parallel_for(largest.size(), [&](std::size_t group) {
       for (const float value : rows.group(group)) {
-        largest[group] = std::max(largest[group], std::abs(value));
+        // NaN counts as infinite.
+        const float size = std::isfinite(value) ? std::abs(value) : INFINITY;
+        largest[group] = std::max(largest[group], size);
       }
     });
-    largest_ = *std::ranges::max_element(largest);
+    for (const float of_group : largest) largest_ = std::max(largest_, of_group);
     if (!(largest_ > 0) || !std::isfinite(largest_)) {
       throw Error("reference rows", "nothing in them, or what is not finite", "finite rows");
     }
@@ -163,6 +165,10 @@ StorageComparison compare_storage(const Bake& bake, const std::function<void(dou
   const MeasuredReceivers receivers(bake);
   if (!receivers.has_rows()) {
     throw Error(bake.folder().string(), "no reference rows", "a bake made with --reference");
+  }
+  if (receivers.count() == 0) {
+    throw Error(bake.folder().string(), "reference rows of no pixel that geometry covers",
+                "some of those");
   }
   const CubeHaar haar(bake.manifest().cube_size);
   const std::vector<CheckLight> lights = make_check_lights(haar);

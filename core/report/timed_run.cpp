@@ -135,8 +135,11 @@ class Player {
     row.psnr_time_db = display_psnr(image_, frame.exact, frame.exposure);
     row.compression_l2 = frame.compression_l2;
     const double size = weighted_size(haar_, frame.target);
+    if (size > 0) {
+      row.lighting_error =
+          weighted_distance(haar_, frame.target, relighter_.held(), shares_) / size;
+    }
     find_mean(relighter_.held(), shares_, mean_held_);
-    if (size > 0) row.lighting_error = weighted_distance(haar_, frame.target, mean_held_) / size;
     if (image_norm_ > 0) {
       row.estimate = estimator_.estimate(frame.target, relighter_.held()).error / image_norm_;
     }

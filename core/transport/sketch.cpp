@@ -237,28 +237,45 @@ Sketch make_sketch(const SketchSums& sums, const TransportView& stored,
   return sketch;
 }
 
-SketchedSquares sketched_squares(const Sketch& sketch, std::size_t channel,
-                                 std::span<const float> residual, std::span<const float> target) {
+SketchedImages& SketchedImages::operator+=(const SketchedImages& other) {
+  for (std::size_t k = 0; k < kSketchRows; ++k) {
+    residual[k] += other.residual[k];
+    left_out[k] += other.left_out[k];
+  }
+  return *this;
+}
+
+double SketchedImages::residual_squared() const {
+  double sum = 0;
+  for (const float row : residual) sum += static_cast<double>(row) * static_cast<double>(row);
+  return sum;
+}
+
+double SketchedImages::error_squared() const {
+  double sum = 0;
+  for (std::size_t k = 0; k < kSketchRows; ++k) {
+    const double row = static_cast<double>(residual[k]) + static_cast<double>(left_out[k]);
+    sum += row * row;
+  }
+  return sum;
+}
+
+SketchedImages sketch_images(const Sketch& sketch, std::size_t channel,
+                             std::span<const float> residual, std::span<const float> target,
+                             std::size_t first, std::size_t count) {
   RIMLIGHT_CHECK_EQ(residual.size(), sketch.column_count * kLayers);
   RIMLIGHT_CHECK_EQ(target.size(), sketch.column_count);
-  alignas(64) std::array<float, kSketchRows> sums{};
-  const std::size_t first_part = channel * sketch.column_count * kLayers;
-  const std::size_t first = channel * sketch.column_count;
-  const auto square = [&sums] {
-    double result = 0;
-    for (const float sum : sums) result += static_cast<double>(sum) * static_cast<double>(sum);
-    return result;
-  };
-  SketchedSquares squares;
+  RIMLIGHT_CHECK(first <= sketch.column_count && count <= sketch.column_count - first);
+  alignas(64) SketchedImages sums;
+  const std::size_t part = part_of(channel * sketch.column_count + first, 0);
   HWY_DYNAMIC_DISPATCH(add_sketched_impl)
-  (sketch.stored.data() + first_part * kSketchRows, sketch.stored_scale.data() + first_part,
-   residual, sums.data());
-  squares.residual = square();
+  (sketch.stored.data() + part * kSketchRows, sketch.stored_scale.data() + part,
+   residual.subspan(part_of(first, 0), count * kLayers), sums.residual.data());
+  const std::size_t column = channel * sketch.column_count + first;
   HWY_DYNAMIC_DISPATCH(add_sketched_impl)
-  (sketch.error.data() + first * kSketchRows, sketch.error_scale.data() + first, target,
-   sums.data());
-  squares.error = square();
-  return squares;
+  (sketch.error.data() + column * kSketchRows, sketch.error_scale.data() + column,
+   target.subspan(first, count), sums.left_out.data());
+  return sums;
 }
 
 }  // namespace rimlight

@@ -75,15 +75,22 @@ struct Sketch {
 Sketch make_sketch(const SketchSums& sums, const TransportView& stored,
                    const ReceiverValues& reflectance);
 
-/// Estimated squared norms of one channel of two images.
-struct SketchedSquares {
-  double residual = 0;  // ‖S·M̂·residual‖²: what time will mend
-  double error = 0;     // ‖S·(M·target − M̂·held)‖² with residual = target − held
+/// Sketches of two images, of one channel.
+struct SketchedImages {
+  std::array<float, kSketchRows> residual{};  // S·M̂·residual: of what time will mend
+  std::array<float, kSketchRows> left_out{};  // S·(M − M̂)·target: of what compression took
+
+  SketchedImages& operator+=(const SketchedImages& other);
+  /// Estimates of ‖M̂·residual‖², and of ‖M·target − M̂·held‖² with residual = target − held.
+  double residual_squared() const;
+  double error_squared() const;
 };
 
-/// `channel` of the residual, [part], and of the target, [column]. Where they are zero nothing is
-/// read. Float sums, relative error 1e-5 of Σ|terms|. Any thread, allocates nothing.
-SketchedSquares sketched_squares(const Sketch& sketch, std::size_t channel,
-                                 std::span<const float> residual, std::span<const float> target);
+/// What the columns [first, first + count) add to the sketches. `channel` of the residual, [part],
+/// and of the target, [column]. Where they are zero nothing is read. Float sums, relative error
+/// 1e-5 of Σ|terms|. Any thread, allocates nothing.
+SketchedImages sketch_images(const Sketch& sketch, std::size_t channel,
+                             std::span<const float> residual, std::span<const float> target,
+                             std::size_t first, std::size_t count);
 
 }  // namespace rimlight

@@ -150,7 +150,7 @@ std::vector<PartSize> measure_parts(const TransportView& transport) {
       for (std::size_t layer = 0; layer < kLayers; ++layer) {
         if (blocks[layer] == 0) continue;
         PartSize& size = sizes[part_of(column, layer)];
-        size.bytes = add_clamped(size.bytes, bytes[layer] + kCountBytes);
+        size.bytes = add_clamped(size.bytes, (bytes[layer] + kCountBytes + 7) / 8 * 8);
         size.blocks = add_clamped(size.blocks, blocks[layer]);
         size.runs = add_clamped(size.runs, 1);
       }

@@ -238,7 +238,7 @@ TEST_F(Program, ABakeKeepsTheErrorAskedFor) {
   double bytes = 0;
   for (const char* const psnr : {"40", "60"}) {
     const ProgramResult result = run_program(
-        {"bake", path("scene.json"), "-o", path("asked.bake"), "--psnr-db", psnr, "--json"});
+        {"bake", path("scene.json"), "-o", path("asked.bake"), "--psnr", psnr, "--json"});
     ASSERT_EQ(result.status, 0) << result.errors;
     const json summary = json::parse(result.output);
     EXPECT_GE(summary.at("worst_psnr_db").get<double>(), std::stod(psnr));
@@ -246,7 +246,7 @@ TEST_F(Program, ABakeKeepsTheErrorAskedFor) {
     bytes = summary.at("transport_bytes").get<double>();
   }
   for (const char* const bad : {"nan", "inf", "19.9", "50dB"}) {
-    EXPECT_EQ(run_program({"bake", path("scene.json"), "--psnr-db", bad}).status, 2) << bad;
+    EXPECT_EQ(run_program({"bake", path("scene.json"), "--psnr", bad}).status, 2) << bad;
   }
 }
 

@@ -7,8 +7,8 @@
 
 #include "core/bake/lambert_kernel.h"
 #include "core/bake/lobe_response.h"
-#include "tests/support/every_target.h"
 #include "tests/core/bake/random_samples.h"
+#include "tests/support/every_target.h"
 #include "tests/support/reference/brdf.h"
 
 namespace rimlight {

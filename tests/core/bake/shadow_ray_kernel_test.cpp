@@ -10,8 +10,8 @@
 
 #include "core/base/check.h"
 #include "core/math/sampling.h"
-#include "tests/support/every_target.h"
 #include "tests/core/bake/random_samples.h"
+#include "tests/support/every_target.h"
 #include "tests/support/statistics.h"
 
 namespace rimlight {

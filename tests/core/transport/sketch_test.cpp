@@ -225,13 +225,14 @@ TEST(Sketch, EstimatesTheErrorOfImages) {
     };
     std::vector<float> of_parts;  // every layer lacks the same
     for (const float lack : residual) of_parts.insert(of_parts.end(), kLayers, lack);
-    const SketchedSquares found = sketched_squares(sketch(), c, of_parts, target);
-    const double ratio = std::sqrt(found.error) / norm(error);
+    SketchedImages found = sketch_images(sketch(), c, of_parts, target, 0, 7);
+    found += sketch_images(sketch(), c, of_parts, target, 7, kColumns - 7);
+    const double ratio = std::sqrt(found.error_squared()) / norm(error);
     ratio_sum += ratio;
     within += std::abs(ratio - 1) <= 0.15;
-    residual_sum += share > 0 ? std::sqrt(found.residual) / norm(of_time) : 1;
+    residual_sum += share > 0 ? std::sqrt(found.residual_squared()) / norm(of_time) : 1;
     if (share == 0) {
-      ASSERT_EQ(found.residual, 0);
+      ASSERT_EQ(found.residual_squared(), 0);
     }
   }
   EXPECT_NEAR(ratio_sum / kLights, 1, 0.03);

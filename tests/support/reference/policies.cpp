@@ -25,7 +25,8 @@ bool in_bytes(const PlanRequest& request) { return request.budget.unit == Budget
 
 bool holds_something(const PlanRequest& request, std::size_t band) {
   for (std::size_t i = 0; i < request.held.count(); ++i) {
-    if (request.basis.band_of(i) == static_cast<int>(band) && request.held.layer(0).at(i) != Vec3f{}) {
+    if (request.basis.band_of(i) == static_cast<int>(band) &&
+        request.held.layer(0).at(i) != Vec3f{}) {
       return true;
     }
   }
@@ -236,7 +237,8 @@ Choice dealer(const PlanRequest& request, const Measure& measure) {
 double least_error(const PlanRequest& request, const Measure& measure) {
   std::vector<std::size_t> active;  // the others add nothing
   for (std::size_t i = 0; i < request.target.count(); ++i) {
-    if (request.target.at(i) != Vec3f{} || request.held.layer(0).at(i) != Vec3f{}) active.push_back(i);
+    if (request.target.at(i) != Vec3f{} || request.held.layer(0).at(i) != Vec3f{})
+      active.push_back(i);
   }
   double least = std::numeric_limits<double>::infinity();
   for (unsigned resets_of = 0; resets_of < 1u << band_count(request); ++resets_of) {
