@@ -14,7 +14,7 @@ namespace {
 
 /// A batch is planned for this share of the time that is left: what it then takes tells how much
 /// more there is.
-constexpr double kShare = 0.85;
+constexpr double kShare = 0.9;
 constexpr int kMostBatches = 4;
 /// Time too short for another batch.
 constexpr double kShortestBatchMs = 0.3;

@@ -68,6 +68,20 @@ const std::vector<Image>& columns() {
   return made;
 }
 
+/// [part], the layers of M̂ by themselves.
+const std::vector<Image>& layers() {
+  static const std::vector<Image> made = [] {
+    std::vector<Image> images;
+    for (std::size_t j = 0; j < kColumns; ++j) {
+      for (std::size_t layer = 0; layer < kLayers; ++layer) {
+        images.push_back(column_image(j, static_cast<LayerSet>(1 << layer)));
+      }
+    }
+    return images;
+  }();
+  return made;
+}
+
 /// M = M̂ and a little more: compression's error.
 const std::vector<Image>& whole_columns() {
   static const std::vector<Image> made = [] {
@@ -201,21 +215,22 @@ TEST(Sketch, EstimatesTheErrorOfImages) {
   constexpr int kLights = 40;
   int within = 0;
   for (int light = 0; light < kLights; ++light) {
-    std::vector<float> target(kColumns), residual(kColumns);
+    std::vector<float> target(kColumns), residual(kColumns * kLayers);
     const double share = light % 3 == 0 ? 0 : std::pow(10.0, random.uniform(-4, 0));
-    for (std::size_t j = 0; j < kColumns; ++j) {
-      target[j] = static_cast<float>(random.uniform(-1, 1));
-      residual[j] = static_cast<float>(share * random.uniform(-1, 1));
-    }
+    for (float& value : target) value = static_cast<float>(random.uniform(-1, 1));
+    for (float& value : residual) value = static_cast<float>(share * random.uniform(-1, 1));
     const std::size_t c = static_cast<std::size_t>(light) % 3;
     Image error(kReceivers), of_time(kReceivers);
     for (std::size_t j = 0; j < kColumns; ++j) {
-      const double held = static_cast<double>(target[j]) - static_cast<double>(residual[j]);
       for (std::size_t r = 0; r < kReceivers; ++r) {
         const std::size_t at = c * kReceivers + r;
-        error[r] +=
-            whole_columns()[j][at] * static_cast<double>(target[j]) - columns()[j][at] * held;
-        of_time[r] += columns()[j][at] * static_cast<double>(residual[j]);
+        error[r] += (whole_columns()[j][at] - columns()[j][at]) * static_cast<double>(target[j]);
+        for (std::size_t layer = 0; layer < kLayers; ++layer) {
+          const double lacks =
+              layers()[part_of(j, layer)][at] * static_cast<double>(residual[part_of(j, layer)]);
+          error[r] += lacks;
+          of_time[r] += lacks;
+        }
       }
     }
     const auto norm = [](const Image& image) {
@@ -223,10 +238,8 @@ TEST(Sketch, EstimatesTheErrorOfImages) {
       for (const double value : image) square += value * value;
       return std::sqrt(square);
     };
-    std::vector<float> of_parts;  // every layer lacks the same
-    for (const float lack : residual) of_parts.insert(of_parts.end(), kLayers, lack);
-    SketchedImages found = sketch_images(sketch(), c, of_parts, target, 0, 7);
-    found += sketch_images(sketch(), c, of_parts, target, 7, kColumns - 7);
+    SketchedImages found = sketch_images(sketch(), c, residual, target, 0, 7);
+    found += sketch_images(sketch(), c, residual, target, 7, kColumns - 7);
     const double ratio = std::sqrt(found.error_squared()) / norm(error);
     ratio_sum += ratio;
     within += std::abs(ratio - 1) <= 0.15;
