@@ -33,8 +33,7 @@ class Player {
  public:
   Player(const Bake& bake, const MeasuredReceivers& receivers, const TimedPolicy& policy,
          LitSequence& sequence)
-      : bake_(bake),
-        receivers_(receivers),
+      : receivers_(receivers),
         policy_(policy),
         sequence_(sequence),
         haar_(bake.manifest().cube_size),
@@ -148,7 +147,6 @@ class Player {
     row.ghost_of_target = ghosts.target;
   }
 
-  const Bake& bake_;
   const MeasuredReceivers& receivers_;
   const TimedPolicy& policy_;
   LitSequence& sequence_;
