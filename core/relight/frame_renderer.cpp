@@ -56,7 +56,7 @@ struct FrameRenderer::State {
       : bake(std::move(bake_)),
         settings(settings_),
         haar(bake->manifest().cube_size),
-        relighter(bake->transport(), bake->reflectance(), haar),
+        relighter(bake->transport(), bake->reflectance(), haar, held_images_for(settings.policy)),
         display(bake->manifest().pixels, bake->manifest().camera, bake->coverage()),
         estimator(bake->sketch()),
         target(haar.size()),

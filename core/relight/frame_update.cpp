@@ -118,6 +118,7 @@ void FrameUpdater::plan(const CubeLight& target, const Budget& budget, const Cos
                       .column_norm_squared = bake_.sketch().norm_squared,
                       .column_bytes = costs.column,
                       .band_image_bytes = band_image_bytes(),
+                      .one_image = !relighter_.holds_bands(),
                       .part_norm_squared = bake_.sketch().part_norm_squared,
                       .part_bytes = costs.part},
                      workspace_, plan_);
@@ -130,9 +131,12 @@ std::size_t FrameUpdater::band_image_bytes() const {
 std::size_t FrameUpdater::work_done() const {
   std::size_t work = 0;
   for (const ColumnDelta& column : plan_.columns) work += work_.of(column);
+  std::size_t cleared = 0;
   for (const BandUpdate& band : plan_.bands) {
-    if (band.action == BandAction::reset && band.count > 0) work += band_image_bytes();
+    cleared += band.action == BandAction::reset && band.count > 0;
   }
+  work +=
+      band_image_bytes() * (relighter_.holds_bands() ? cleared : std::min<std::size_t>(cleared, 1));
   return work + static_cast<std::size_t>(static_cast<double>(relighter_.tiles_rebuilt()) *
                                          work_of_a_tile_);
 }

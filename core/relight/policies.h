@@ -101,6 +101,8 @@ class PbiPolicy final : public UpdatePolicy {
 /// band that holds nothing is reset for nothing. All combinations are tried, each with its columns.
 /// A budget in coefficients does not count resets, as the papers do not.
 ///
+/// Where the image is one of all bands, there are two combinations: to increment, and to reset all.
+///
 /// So E is never above that of the better of incrementing and resetting all bands; of equals the
 /// cheaper is taken, then that which keeps. Columns of zero norm come last: they change the light
 /// that is held, and no pixel.

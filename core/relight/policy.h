@@ -35,6 +35,8 @@ struct PlanRequest {
   std::span<const float> column_norm_squared = {};   // [3][columns]: Σ M² over receivers, ≥ 0
   std::span<const std::uint32_t> column_bytes = {};  // [columns]: what applying a column reads
   std::size_t band_image_bytes = 0;                  // what clearing one band's image B_b writes
+  /// The image is one of all bands: they are reset together or not at all.
+  bool one_image = false;
 
   // The same of the columns' layers. With both, a policy may choose layers by themselves.
   std::span<const float> part_norm_squared = {};   // [3][parts]

@@ -107,4 +107,8 @@ std::unique_ptr<const UpdatePolicy> make_policy(const PolicySettings& settings) 
   throw CheckFailure("a policy of no known kind");
 }
 
+HeldImages held_images_for(const PolicySettings& settings) {
+  return settings.kind == PolicyKind::pbi ? HeldImages::by_band : HeldImages::together;
+}
+
 }  // namespace rimlight

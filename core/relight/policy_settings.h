@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/relight/policy.h"
+#include "core/relight/relighter.h"
 
 namespace rimlight {
 
@@ -34,5 +35,9 @@ PolicySettings parse_policy(std::string_view text, const std::string& where);
 std::string policy_name(const PolicySettings& settings);
 
 std::unique_ptr<const UpdatePolicy> make_policy(const PolicySettings& settings);
+
+/// What an image has to be held as for the policy: by band for `pbi`, whose point it is. `benefit`
+/// can reset single bands too, but that mends less than what moving their images costs.
+HeldImages held_images_for(const PolicySettings& settings);
 
 }  // namespace rimlight

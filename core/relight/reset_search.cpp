@@ -16,7 +16,12 @@ std::uint64_t cost_of(const RankedColumns::Entry& entry, const ColumnCosts& cost
 
 const ResetAnswer& ResetSearch::run(const ResetQuestion& question) {
   sum_blocks(question);
-  list_options(question);
+  is_one_choice_ = question.request.one_image;
+  if (is_one_choice_) {
+    list_common_options(question);
+  } else {
+    list_options(question);
+  }
   const auto bands = options_.size();
   answer_.actions.assign(bands, BandAction::increment);
   chosen_.assign(bands, 0);
@@ -97,6 +102,26 @@ void ResetSearch::list_options(const ResetQuestion& question) {
   }
 }
 
+/// All bands incremented, or all reset, at the cost of one image; only the latter, for nothing,
+/// when the image is black.
+void ResetSearch::list_common_options(const ResetQuestion& question) {
+  const int bands = question.request.basis.band_count();
+  bool nothing = true;
+  for (int band = 0; band < bands; ++band)
+    nothing = nothing && holds_nothing(question.request, band);
+  options_.resize(static_cast<std::size_t>(bands));
+  option_count_.assign(options_.size(), nothing ? 1 : 2);
+  for (int band = 0; band < bands; ++band) {
+    const Option increment{RankedColumns::list_of(band, Alternative::increment),
+                           BandAction::increment, 0, 0};
+    const Option reset{RankedColumns::list_of(band, Alternative::reset), BandAction::reset,
+                       nothing || band > 0 ? 0 : question.reset_cost, 0};
+    auto& options = options_[static_cast<std::size_t>(band)];
+    options[0] = nothing ? reset : increment;
+    options[1] = reset;
+  }
+}
+
 ResetSearch::Combination ResetSearch::combine() const {
   Combination result;
   for (std::size_t b = 0; b < options_.size(); ++b) {
@@ -112,6 +137,10 @@ ResetSearch::Combination ResetSearch::combine() const {
 
 /// Counts in digits of as many values as each band has options, the first band's slowest.
 bool ResetSearch::next_combination() {
+  if (is_one_choice_) {
+    for (int& choice : chosen_) ++choice;
+    return chosen_[0] < option_count_[0];
+  }
   for (std::size_t b = options_.size(); b-- > 0;) {
     if (++chosen_[b] < option_count_[b]) return true;
     chosen_[b] = 0;

@@ -71,6 +71,7 @@ class ResetSearch {
 
   void sum_blocks(const ResetQuestion& question);
   void list_options(const ResetQuestion& question);
+  void list_common_options(const ResetQuestion& question);
   Combination combine() const;
   bool next_combination();
   std::uint64_t cost_before(const Combination& combination, std::size_t block) const;
@@ -78,8 +79,9 @@ class ResetSearch {
 
   std::vector<std::array<Option, 3>> options_;  // [band], the first option_count_
   std::vector<int> option_count_;
-  std::vector<int> chosen_;  // [band] of its options
-  std::vector<Sums> sums_;   // [block][list]
+  std::vector<int> chosen_;     // [band] of its options
+  bool is_one_choice_ = false;  // the same for all bands
+  std::vector<Sums> sums_;      // [block][list]
   std::size_t blocks_ = 0;
   std::size_t lists_ = 0;
   ResetAnswer answer_;

@@ -37,7 +37,7 @@ class Player {
         policy_(policy),
         sequence_(sequence),
         haar_(bake.manifest().cube_size),
-        relighter_(bake.transport(), bake.reflectance(), haar_),
+        relighter_(bake.transport(), bake.reflectance(), haar_, held_images_for(policy.policy)),
         updater_(bake, haar_, policy.policy, relighter_),
         display_(bake.manifest().pixels, bake.manifest().camera, bake.coverage()),
         estimator_(bake.sketch()),

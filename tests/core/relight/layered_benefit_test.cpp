@@ -210,6 +210,41 @@ TEST(LayeredBenefit, LeavesLessThanWholeColumnsForTheSameBytes) {
   EXPECT_LT(sum / count, 0.8);
 }
 
+/// With one image for all bands, a plan increments all or resets all, whichever leaves less.
+TEST(LayeredBenefit, BandsHeldTogetherAreResetTogetherWhereItPays) {
+  int resets = 0, increments = 0;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    LayeredCase layered({.size = 4, .seed = seed, .active_columns = 4});
+    if (seed % 2 == 0) {  // an image all wrong: to clear it mends a lot
+      for (CubeLight& layer : layered.held) {
+        for (float& value : layer.values) value *= -8;
+      }
+    }
+    for (const std::size_t budget : {0u, 8u, 25u, 60u, 150u, 100000u}) {
+      PlanRequest request = layered.request(budget);
+      request.one_image = true;
+      const UpdatePlan plan = test::plan_of("benefit", request);
+      const auto reset = std::ranges::count(plan.bands, BandAction::reset, &BandUpdate::action);
+      ASSERT_TRUE(reset == 0 || reset == static_cast<long>(plan.bands.size()));
+      (reset > 0 ? resets : increments) += 1;
+      std::size_t parts = 0;
+      for (const ColumnDelta& column : plan.columns) {
+        for (std::size_t layer = 0; layer < kLayers; ++layer) {
+          if ((column.layers >> layer & 1) == 0) continue;
+          parts += layered.part_bytes[part_of(column.column, layer)];
+        }
+      }
+      ASSERT_LE(parts + (reset > 0 ? layered.problem.image_bytes : 0), budget);
+      // Not above what doing nothing leaves.
+      UpdatePlan nothing;
+      nothing.bands.resize(plan.bands.size());
+      ASSERT_LE(outcome_of(layered, plan).error, outcome_of(layered, nothing).error);
+    }
+  }
+  EXPECT_GT(resets, 5);
+  EXPECT_GT(increments, 20);
+}
+
 TEST(LayeredBenefit, LayersWithOneDeltaGoTogether) {
   LayeredCase layered({.seed = 3, .zero_share = 0});
   layered.held.fill(layered.problem.held);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/check.h"
 #include "core/math/random.h"
 #include "core/relight/relighter.h"
 #include "tests/support/random_transport.h"
@@ -37,12 +38,19 @@ const ReceiverValues& reflectance() {
 /// Random plans of some layers of some columns, here and there a reset or a cleared band.
 class LayeredEdits {
  public:
-  explicit LayeredEdits(std::uint64_t seed) : random_(seed) { plan_.bands.resize(3); }
+  LayeredEdits(HeldImages images, std::uint64_t seed)
+      : random_(seed), relighter_(transport(), reflectance(), kHaar, images) {
+    plan_.bands.resize(3);
+  }
 
   void edit() {
     for (float& value : target_.values) value = static_cast<float>(random_.uniform(-1, 1));
     plan_.columns.clear();
-    for (int band = 0; band < kHaar.band_count(); ++band) plan_band(band);
+    const bool all_reset = !relighter_.holds_bands() && random_.below(8) == 0;
+    for (int band = 0; band < kHaar.band_count(); ++band) {
+      const bool reset = relighter_.holds_bands() ? random_.below(25) == 0 : all_reset;
+      plan_band(band, reset);
+    }
     relighter_.apply(plan_, target_);
     move_expected();
   }
@@ -51,9 +59,9 @@ class LayeredEdits {
   const std::array<CubeLight, kLayers>& expected() const { return expected_; }
 
  private:
-  void plan_band(int band) {
+  void plan_band(int band, bool reset) {
     BandUpdate& update = plan_.bands[static_cast<std::size_t>(band)];
-    const bool reset = random_.below(25) == 0, cleared = reset && random_.below(2) == 0;
+    const bool cleared = reset && random_.below(2) == 0;
     update = {reset ? BandAction::reset : BandAction::increment, plan_.columns.size(), 0};
     for (std::size_t i = kHaar.band_begin(band); i < kHaar.band_begin(band + 1); ++i) {
       if (cleared || random_.below(2) == 0) continue;
@@ -92,7 +100,7 @@ class LayeredEdits {
   std::array<CubeLight, kLayers> expected_{CubeLight(kHaar.size()), CubeLight(kHaar.size()),
                                            CubeLight(kHaar.size())};
   UpdatePlan plan_;
-  Relighter relighter_{transport(), reflectance(), kHaar};
+  Relighter relighter_;
 };
 
 TileImage tile_of(const Relighter& relighter, std::size_t tile) {
@@ -112,8 +120,10 @@ std::vector<ColumnDelta> all_layers(const std::array<CubeLight, kLayers>& lights
   return columns;
 }
 
-TEST(LayeredRelighter, TheImageIsTheSumOfEachLayersProductWithItsLight) {
-  LayeredEdits edits(5);
+class LayeredRelighter : public ::testing::TestWithParam<HeldImages> {};
+
+TEST_P(LayeredRelighter, TheImageIsTheSumOfEachLayersProductWithItsLight) {
+  LayeredEdits edits(GetParam(), 5);
   const std::vector<float> zero(kTileFloats);
   for (int frame = 0; frame < 40; ++frame) {
     edits.edit();
@@ -137,8 +147,8 @@ TEST(LayeredRelighter, TheImageIsTheSumOfEachLayersProductWithItsLight) {
   }
 }
 
-TEST(LayeredRelighter, RebuiltTilesHaveTheBitsOfAFreshImage) {
-  LayeredEdits edits(6);
+TEST_P(LayeredRelighter, RebuiltTilesHaveTheBitsOfAFreshImage) {
+  LayeredEdits edits(GetParam(), 6);
   std::size_t next = 0, rebuilds = 0;
   for (int frame = 0; rebuilds < 2 * kTiles; ++frame) {
     ASSERT_LT(frame, 4000);
@@ -146,7 +156,7 @@ TEST(LayeredRelighter, RebuiltTilesHaveTheBitsOfAFreshImage) {
     const std::size_t rebuilt = edits.relighter().tiles_rebuilt();
     if (rebuilt == 0) continue;
     // The same image from nothing: every band reset, all layers at their lights.
-    Relighter fresh(transport(), reflectance(), kHaar);
+    Relighter fresh(transport(), reflectance(), kHaar, GetParam());
     UpdatePlan plan;
     plan.columns = all_layers(edits.expected());
     plan.bands.assign(3, {BandAction::reset, 0, 0});
@@ -163,8 +173,8 @@ TEST(LayeredRelighter, RebuiltTilesHaveTheBitsOfAFreshImage) {
   }
 }
 
-TEST(LayeredRelighter, AnExactImageLeavesNothingToRebuildAndAnEmptyPlanRebuildsNothing) {
-  Relighter relighter(transport(), reflectance(), kHaar);
+TEST_P(LayeredRelighter, AnExactImageLeavesNothingToRebuildAndAnEmptyPlanRebuildsNothing) {
+  Relighter relighter(transport(), reflectance(), kHaar, GetParam());
   CubeLight light(kHaar.size());
   std::ranges::fill(light.values, 0.5f);
   UpdatePlan all, nothing;
@@ -192,6 +202,37 @@ TEST(LayeredRelighter, AnExactImageLeavesNothingToRebuildAndAnEmptyPlanRebuildsN
   EXPECT_EQ(relighter.tiles_rebuilt(), 0u);
   relighter.apply(all, light);
   EXPECT_EQ(relighter.tiles_rebuilt(), 1u);
+}
+
+INSTANTIATE_TEST_SUITE_P(HeldImages, LayeredRelighter,
+                         ::testing::Values(HeldImages::by_band, HeldImages::together),
+                         [](const auto& images) {
+                           return images.param == HeldImages::by_band ? "ByBand" : "Together";
+                         });
+
+TEST(HeldImages, TheExactImageHasTheSameBitsWhateverItIsHeldAs) {
+  Random random(3);
+  CubeLight light(kHaar.size());
+  for (float& value : light.values) value = static_cast<float>(random.uniform(-1, 1));
+  Relighter by_band(transport(), reflectance(), kHaar, HeldImages::by_band);
+  LayeredEdits moved(HeldImages::together, 8);
+  for (int frame = 0; frame < 5; ++frame) moved.edit();
+  Relighter together(transport(), reflectance(), kHaar, HeldImages::together);
+  for (Relighter* const relighter : {&by_band, &together}) {
+    ASSERT_TRUE(relighter->apply_exact(light, {}));
+    EXPECT_EQ(relighter->held().layer(2).values, light.values);
+  }
+  for (std::size_t tile = 0; tile < kTiles; ++tile) {
+    EXPECT_EQ(tile_of(by_band, tile), tile_of(together, tile));
+  }
+}
+
+TEST(HeldImages, BandsHeldTogetherAreResetTogether) {
+  Relighter relighter(transport(), reflectance(), kHaar, HeldImages::together);
+  UpdatePlan plan;
+  plan.bands.resize(3);
+  plan.bands[1].action = BandAction::reset;
+  EXPECT_THROW(relighter.apply(plan, CubeLight(kHaar.size())), CheckFailure);
 }
 
 }  // namespace
