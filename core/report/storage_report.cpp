@@ -25,7 +25,8 @@ json point_json(const StorageComparison& comparison, const char* storage,
 }  // namespace
 
 json to_json(const StorageComparison& comparison) {
-  json rows = {point_json(comparison, "bake", comparison.stored)};
+  json rows = json::array();  // braces around one object mean an array to some compilers only
+  rows.push_back(point_json(comparison, "bake", comparison.stored));
   for (const StoragePoint& point : comparison.csr) {
     rows.push_back(point_json(comparison, "float CSR", point));
   }
