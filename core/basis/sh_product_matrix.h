@@ -33,7 +33,7 @@ class ShProductMatrix {
   /// tripling coefficients when it is the first of its degree.
   explicit ShProductMatrix(int degree);
 
-  /// The matrix of a light, planar: [kChannels][(K + 1)²], K 0 … kMaxLightDegree, else
+  /// The matrix of a light, planar: [kChannels][(K + 1)²], K 0 … sh::kLargestLightDegree, else
   /// CheckFailure. Of its coefficients those of `degrees` count, as far as 2n; {0, n} reproduces
   /// the thesis. fp32: each entry within 2⁻²⁴ · ‖L‖ of the exact one. Allocates nothing.
   void set_light(std::span<const float> light, const ShDegreeRange& degrees = kAllDegrees);
