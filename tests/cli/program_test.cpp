@@ -246,7 +246,10 @@ TEST_F(Program, ABakeKeepsTheErrorAskedFor) {
     bytes = summary.at("transport_bytes").get<double>();
   }
   for (const char* const bad : {"nan", "inf", "19.9", "50dB"}) {
-    EXPECT_EQ(run_program({"bake", path("scene.json"), "--psnr", bad}).status, 2) << bad;
+    const ProgramResult result =
+        run_program({"bake", path("scene.json"), "-o", path("bad.bake"), "--psnr", bad});
+    EXPECT_EQ(result.status, 2) << bad;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "bad.bake")) << bad;
   }
 }
 
