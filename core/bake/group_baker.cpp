@@ -17,24 +17,23 @@ IndirectSettings indirect_settings(const BakeSettings& settings) {
 
 }  // namespace
 
-GroupBaker::GroupBaker(const RayScene& scene)
+GroupBaker::GroupBaker(const RayScene& scene, const BakeSettings& settings)
     : scene_(scene),
-      layout_{scene.scene().bake.width, scene.scene().bake.height},
-      haar_(scene.scene().bake.cube_size),
+      settings_(settings),
+      layout_{settings.width, settings.height},
+      haar_(settings.cube_size),
       direct_(scene, haar_.size()),
-      indirect_(scene, indirect_settings(scene.scene().bake)) {}
+      indirect_(scene, indirect_settings(settings)) {}
 
 bool GroupBaker::has_receivers(std::size_t first_receiver) const {
-  const BakeSettings& settings = scene_.scene().bake;
   GroupSamples samples;
-  sample_group(scene_, layout_, first_receiver, settings.primary_rays, settings.seed, samples);
+  sample_group(scene_, layout_, first_receiver, settings_.primary_rays, settings_.seed, samples);
   return !samples.empty();
 }
 
 void GroupBaker::find_rows(std::size_t first_receiver, BakedGroup& group) const {
-  const BakeSettings& settings = scene_.scene().bake;
   thread_local GroupSamples samples;
-  sample_group(scene_, layout_, first_receiver, settings.primary_rays, settings.seed, samples);
+  sample_group(scene_, layout_, first_receiver, settings_.primary_rays, settings_.seed, samples);
   for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
     group.coverage[lane] = samples.coverage(lane);
   }
@@ -44,7 +43,7 @@ void GroupBaker::find_rows(std::size_t first_receiver, BakedGroup& group) const 
   if (texels == nullptr || texels->cube_size != haar_.size()) {
     texels = std::make_unique<GroupRows>(haar_.size());
   }
-  const std::uint64_t seed = mix_bits(settings.seed ^ mix_bits(first_receiver));
+  const std::uint64_t seed = mix_bits(settings_.seed ^ mix_bits(first_receiver));
   std::fill(texels->values.begin(), texels->values.end(), 0.0f);
   direct_.add(samples, seed, *texels);
   indirect_.add(samples, seed, *texels);

@@ -10,8 +10,9 @@ namespace rimlight {
 /// Bakes groups of 8×8 pixels of a scene: primary rays, direct and indirect transport, projection.
 class GroupBaker final : public GroupSource {
  public:
-  /// Keeps the scene.
-  explicit GroupBaker(const RayScene& scene);
+  /// Keeps the scene, and bakes it as its own settings say, or as others do.
+  explicit GroupBaker(const RayScene& scene) : GroupBaker(scene, scene.scene().bake) {}
+  GroupBaker(const RayScene& scene, const BakeSettings& settings);
 
   const PixelLayout& layout() const override { return layout_; }
   int cube_size() const override { return haar_.size(); }
@@ -25,6 +26,7 @@ class GroupBaker final : public GroupSource {
 
  private:
   const RayScene& scene_;
+  BakeSettings settings_;
   PixelLayout layout_;
   CubeHaar haar_;
   DirectTransport direct_;

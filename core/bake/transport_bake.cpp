@@ -196,7 +196,8 @@ class TransportBake {
     writer_.add_sketch(sums, source_.layout());
     if (request_.reference_receivers > 0) {
       report("keeping reference rows", 0);
-      write_reference(writer_, source_, request_.reference_receivers);
+      write_reference(writer_, {source_, request_.retraced, request_.finer},
+                      request_.reference_receivers);
     }
     writer_.commit(describe(psnr, storage));
     report("writing", 1);

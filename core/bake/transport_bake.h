@@ -41,6 +41,11 @@ struct BakeRequest {
   std::size_t reference_receivers = 0;  // of which rows are kept as they are; 0: none
   std::uint64_t fingerprint = 0;        // of all that the source's rows depend on
   std::string stage = "tracing";        // what making rows is called
+  /// For reference rows, where there are such: the source with another seed, from which a report
+  /// tells the noise of M, and on a cube map of twice the size, from which it tells what N's texels
+  /// average away.
+  const GroupSource* retraced = nullptr;
+  const GroupSource* finer = nullptr;
 };
 
 /// Bakes a source's transport to `folder` (NAME.bake). Uses all cores; memory is bounded by a group

@@ -18,7 +18,7 @@ constexpr int kCoverageFirst[] = {30, 75, 120};
 class Experiment {
  public:
   Experiment(const Bake& bake, const ErrorVsTimeSettings& settings, const ReportProgress& progress)
-      : bake_(bake), settings_(settings), progress_(progress), receivers_(bake) {
+      : bake_(bake), settings_(settings), progress_(progress), receivers_(bake), errors_(bake) {
     report_.scene = bake.manifest().scene;
     report_.sequence = settings.sequence.name;
     report_.has_reference_rows = receivers_.has_rows();
@@ -62,7 +62,10 @@ class Experiment {
     const int size = bake_.manifest().cube_size;
     const LightSequence& sequence = settings_.sequence;
     const LightEnvironments environments = load_environments(sequence, given);
-    LitSequence lit{name, LightSequencePlayer(sequence, size, environments), {}, nullptr};
+    LitSequence lit{name, LightSequencePlayer(sequence, size, environments), {}, {}, nullptr};
+    if (errors_.finer_size() > 0) {
+      lit.finer_player.emplace(sequence, errors_.finer_size(), environments);
+    }
     if (const auto turned = sequence.rotated_light()) {
       const auto prepared = prepare_environment(environments.at(*turned), {size, kBackgroundSize});
       lit.background = {prepared, &prepared->background};
@@ -70,7 +73,7 @@ class Experiment {
     const int all = sequence.frame_count();
     const int count = settings_.most_frames > 0 ? std::min(settings_.most_frames, all) : all;
     find_references(
-        bake_, receivers_, count,
+        bake_, receivers_, errors_, count,
         [&](double share) { progress_(name + ": reference images", share); }, lit);
     return lit;
   }
@@ -115,6 +118,7 @@ class Experiment {
   const ErrorVsTimeSettings& settings_;
   ReportProgress progress_;
   MeasuredReceivers receivers_;
+  TransportErrors errors_;
   ErrorVsTimeReport report_;
 };
 

@@ -17,9 +17,12 @@ json budget_json(const std::string& budget) {
   return is_count && budget.size() < 16 ? json(std::stoll(budget)) : json(budget);
 }
 
+json number_or_null(const std::optional<double>& number) {
+  if (!number) return nullptr;
+  return *number;
+}
+
 json row_json(const ErrorVsTimeReport& report, const FrameRow& row) {
-  json estimate = nullptr;
-  if (row.estimate) estimate = *row.estimate;
   json result = {{"scene", report.scene},
                  {"light", row.light},
                  {"sequence", report.sequence},
@@ -37,10 +40,12 @@ json row_json(const ErrorVsTimeReport& report, const FrameRow& row) {
                  {"encode_ms", row.ms.encode}};
   result.update({{"relative_l2", row.relative_l2},
                  {"psnr_db", row.psnr_db},
-                 {"estimate", estimate},
+                 {"estimate", number_or_null(row.estimate)},
                  {"time_l2", row.time_l2},
                  {"psnr_time_db", row.psnr_time_db},
                  {"compression_l2", row.compression_l2},
+                 {"noise_l2", number_or_null(row.of_transport.noise)},
+                 {"resolution_l2", number_or_null(row.of_transport.resolution)},
                  {"lighting_error", row.lighting_error},
                  {"ghost", row.ghost},
                  {"ghost_of_target", row.ghost_of_target},

@@ -33,6 +33,14 @@ std::vector<std::vector<const FrameRow*>> runs_of(const ErrorVsTimeReport& repor
   return runs;
 }
 
+/// What a logarithmic axis has a place for: what is exact, or nothing, has none.
+double positive_or_nan(double value) { return value > 0 ? value : NAN; }
+
+/// Whether any point can be drawn: gnuplot fails at a plot without.
+bool has_point(const Rows& points) {
+  return std::ranges::any_of(points, [](const auto& row) { return std::isfinite(row[1]); });
+}
+
 /// "plot A, B, C" of data blocks d0, d1, …
 std::string plot_line(const std::vector<std::string>& parts) {
   std::string line = "plot ";
@@ -85,16 +93,16 @@ class LightFigures {
     std::vector<std::string> parts;
     for (const auto& run : runs_) {
       Rows rows;
-      // What is exact has no place on a logarithmic axis.
       for (const FrameRow* const row : run) {
-        const double shown = row->*value;
-        rows.push_back({static_cast<double>(row->frame), shown > 0 ? shown : NAN});
+        rows.push_back({static_cast<double>(row->frame), positive_or_nan(row->*value)});
       }
+      if (!has_point(rows)) continue;
       const std::string data = "d" + std::to_string(parts.size());
       script.add_data(data, rows);
       parts.push_back("$" + data + " using 1:2 with lines lw 1.5 title " +
                       gnuplot_quote(run.front()->run));
     }
+    if (parts.empty()) return;
     script.add(plot_line(parts));
     finish(name, script);
   }
@@ -108,7 +116,7 @@ class LightFigures {
         "0.25, graph 0.05, graph 0.05");
     std::vector<std::string> parts;
     for (const RunSummary& run : summarize_runs(report_.rows)) {
-      if (run.light != light_.light || run.moving.frames == 0) continue;
+      if (run.light != light_.light || !(run.moving.relative_l2 > 0)) continue;
       const std::string data = "d" + std::to_string(parts.size());
       script.add_data(data, {{run.moving.median_ms, run.moving.relative_l2}});
       parts.push_back("$" + data + " using 1:2:(" + gnuplot_quote(" " + run.run) +
@@ -260,13 +268,15 @@ class LightFigures {
     for (const CoverageSample& sample : light_.coverage) {
       Rows rows;
       for (const int columns : sample.coverage.columns_of_band) {
-        rows.push_back({static_cast<double>(rows.size()), columns > 0 ? 1.0 * columns : NAN});
+        rows.push_back({static_cast<double>(rows.size()), positive_or_nan(columns)});
       }
+      if (!has_point(rows)) continue;
       const std::string data = "d" + std::to_string(parts.size());
       script.add_data(data, rows);
       parts.push_back("$" + data + " using 1:2 with linespoints title " +
                       gnuplot_quote(sample.run + ", frame " + std::to_string(sample.first_frame)));
     }
+    if (parts.empty()) return;
     script.add(plot_line(parts));
     finish("coverage-histogram", script);
   }

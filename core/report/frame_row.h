@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/report/transport_errors.h"
+
 namespace rimlight {
 
 /// What the parts of a frame took, in milliseconds: all that a server does for it, but for sending.
@@ -36,6 +38,7 @@ struct FrameRow {
   double time_l2 = 0;                // against the exact image of the stored transport
   double psnr_time_db = 0;           // the same
   double compression_l2 = 0;         // of that exact image against the reference
+  TransportError of_transport;       // of the reference
   double lighting_error = 0;         // ‖held − target‖₁ / ‖target‖₁, area-weighted
   std::optional<double> estimate;    // of relative_l2, over all receivers; none of a black image
   double ghost = 0;                  // GhostEnergy::held

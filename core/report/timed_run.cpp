@@ -133,6 +133,7 @@ class Player {
     row.time_l2 = rimlight::relative_l2(image_, frame.exact);
     row.psnr_time_db = display_psnr(image_, frame.exact, frame.exposure);
     row.compression_l2 = frame.compression_l2;
+    row.of_transport = frame.of_transport;
     const double size = weighted_size(haar_, frame.target);
     if (size > 0) {
       row.lighting_error =
@@ -167,6 +168,25 @@ class Player {
   int still_frames_ = 0;
 };
 
+CubeLight coefficients_of(const CubeHaar& haar, CubeLight texels) {
+  CubeLight coefficients(haar.size());
+  transform(haar, texels, coefficients);
+  return coefficients;
+}
+
+/// What the reference rows tell of frames in these lights.
+void add_references(const MeasuredReceivers& receivers, const TransportErrors& errors,
+                    std::span<const CubeLight> lights, std::span<const CubeLight> finer_lights,
+                    std::span<ReferenceFrame> frames) {
+  if (!receivers.has_rows()) return;
+  auto images = receivers.reference(lights);
+  const auto of_transport = errors.find(lights, finer_lights);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].reference = std::move(images[i]);
+    frames[i].of_transport = of_transport[i];
+  }
+}
+
 /// Fills what is known of a frame once its images are.
 void finish(ReferenceFrame& frame) {
   frame.exposure = auto_exposure_scale(frame.truth());
@@ -175,30 +195,29 @@ void finish(ReferenceFrame& frame) {
 
 }  // namespace
 
-void find_references(const Bake& bake, const MeasuredReceivers& receivers, int count,
+void find_references(const Bake& bake, const MeasuredReceivers& receivers,
+                     const TransportErrors& errors, int count,
                      const std::function<void(double)>& progress, LitSequence& sequence) {
   const CubeHaar haar(bake.manifest().cube_size);
   Relighter relighter(bake.transport(), bake.reflectance(), haar);
-  CubeLight texels;
-  std::vector<CubeLight> batch;
+  std::vector<CubeLight> batch, finer_batch;
   for (int index = 0; index < count; ++index) {
     ReferenceFrame& frame = sequence.frames.emplace_back();
     const LightFrame& lit = sequence.player.at(index);
     frame.moving = lit.moving;
-    texels = lit.light;
-    frame.target = CubeLight(haar.size());
-    transform(haar, texels, frame.target);
+    frame.target = coefficients_of(haar, lit.light);
     RIMLIGHT_CHECK(relighter.apply_exact(frame.target, {}));
     receivers.gather(relighter, frame.exact);
     batch.push_back(frame.target);
-    if (batch.size() < kReferencesAtOnce && index + 1 < count) continue;
-    if (receivers.has_rows()) {
-      auto images = receivers.reference(batch);
-      for (std::size_t i = 0; i < batch.size(); ++i) {
-        sequence.frames[sequence.frames.size() - batch.size() + i].reference = std::move(images[i]);
-      }
+    if (errors.finer_size() > 0) {
+      finer_batch.push_back(coefficients_of(CubeHaar(errors.finer_size()),
+                                            sequence.finer_player.value().at(index).light));
     }
+    if (batch.size() < kReferencesAtOnce && index + 1 < count) continue;
+    add_references(receivers, errors, batch, finer_batch,
+                   std::span(sequence.frames).last(batch.size()));
     batch.clear();
+    finer_batch.clear();
     progress(static_cast<double>(index + 1) / count);
   }
   for (ReferenceFrame& frame : sequence.frames) finish(frame);

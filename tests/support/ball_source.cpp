@@ -7,6 +7,7 @@
 
 #include "core/bake/transport_bake.h"
 #include "core/basis/cube_map.h"
+#include "core/math/random.h"
 
 namespace rimlight::test {
 namespace {
@@ -42,7 +43,8 @@ Vec3f response(const Vec3d& normal, const Vec3d& light) {
 
 }  // namespace
 
-BallSource::BallSource(int side, int cube_size) : layout_{side, side}, haar_(cube_size) {}
+BallSource::BallSource(int side, int cube_size, double noise, std::uint64_t seed)
+    : layout_{side, side}, haar_(cube_size), noise_(noise), seed_(seed) {}
 
 bool BallSource::has_receivers(std::size_t first_receiver) const {
   for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
@@ -69,11 +71,17 @@ void BallSource::find_rows(std::size_t first_receiver, BakedGroup& group) const 
       }
     }
   }
+  if (noise_ > 0) {
+    Random random(seed_, first_receiver);
+    const double most = std::sqrt(3.0) * noise_;  // uniform within ±most
+    for (float& value : texels.values) value *= static_cast<float>(1 + random.uniform(-most, most));
+  }
   haar_.forward(texels.values, group.coefficients.values, kRowLanes);
 }
 
 void bake_ball(const std::filesystem::path& folder, const BallSource& source,
-               std::size_t reference_receivers) {
+               std::size_t reference_receivers, const BallSource* retraced,
+               const BallSource* finer) {
   Camera camera;
   camera.position = {0, 0, 5};
   bake_transport(source,
@@ -82,7 +90,9 @@ void bake_ball(const std::filesystem::path& folder, const BallSource& source,
                   .environments = {builtin_environment("sunny"), builtin_environment("studio")},
                   .settings = {{"source", "closed form"}},
                   .psnr_db = 45,
-                  .reference_receivers = reference_receivers},
+                  .reference_receivers = reference_receivers,
+                  .retraced = retraced,
+                  .finer = finer},
                  folder, {});
 }
 

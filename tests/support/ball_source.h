@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "core/bake/group_source.h"
@@ -9,10 +10,11 @@
 namespace rimlight::test {
 
 /// Transport in closed form: a ball under distant light that nothing shadows, half matte and half
-/// glossy, seen head on; a pixel's rows depend on its normal alone. No rays.
+/// glossy, seen head on; a pixel's rows depend on its normal alone. No rays. With `noise` each
+/// number is that much off, relative, in the root of the mean of squares.
 class BallSource final : public GroupSource {
  public:
-  BallSource(int side, int cube_size);
+  BallSource(int side, int cube_size, double noise = 0, std::uint64_t seed = 0);
 
   const PixelLayout& layout() const override { return layout_; }
   int cube_size() const override { return haar_.size(); }
@@ -25,10 +27,14 @@ class BallSource final : public GroupSource {
  private:
   PixelLayout layout_;
   CubeHaar haar_;
+  double noise_;
+  std::uint64_t seed_;
 };
 
-/// A bake of it under "sunny" and "studio", with the reference rows of so many receivers (0: none).
+/// A bake of it under "sunny" and "studio", with the reference rows of so many receivers (0: none),
+/// and of some of them what the other sources make.
 void bake_ball(const std::filesystem::path& folder, const BallSource& source,
-               std::size_t reference_receivers);
+               std::size_t reference_receivers, const BallSource* retraced = nullptr,
+               const BallSource* finer = nullptr);
 
 }  // namespace rimlight::test

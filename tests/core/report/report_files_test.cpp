@@ -144,6 +144,14 @@ TEST(Figures, EachHasAScriptAndWithGnuplotAPicture) {
   }
 }
 
+TEST(Figures, OfFramesThatAreAllExactLeaveOutWhatALogarithmCannotShow) {
+  const TemporaryFolder folder;
+  ErrorVsTimeReport report = small_report();
+  for (FrameRow& row : report.rows) row.lighting_error = row.relative_l2 = 0;
+  const Figures figures = draw_figures(report, folder.path());
+  EXPECT_EQ(figures.scripts.size(), 5u);  // not the three whose axis is an error's
+}
+
 TEST(Gnuplot, TextIsNeverACommand) {
   EXPECT_EQ(gnuplot_quote("a\"b`c\\d\ne"), "\"a\\\"b\\`c\\\\d e\"");
   const TemporaryFolder folder;
