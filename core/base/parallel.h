@@ -19,6 +19,12 @@ void flush_denormals();
 /// own output and merge in index order afterwards.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// The same for a body that is no std::function yet: it stays where it is, nothing is allocated.
+template <typename Body>
+void parallel_for(std::size_t count, const Body& body) {
+  parallel_for(count, std::function<void(std::size_t)>(std::cref(body)));
+}
+
 /// Calls body() where TBB has one thread only, this one: for libraries that use TBB inside and
 /// whose result would depend on how their work is shared out.
 void run_alone(const std::function<void()>& body);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -9,7 +10,9 @@
 
 namespace rimlight {
 
-/// Compresses frames to JPEG (libjpeg-turbo, 4:2:0). Keeps its compressor and buffer between calls:
+/// Compresses frames to JPEG (libjpeg-turbo, 4:2:0), on all cores: in stripes that restart the
+/// entropy coder, which decode to the pixels of a file in one piece. Stripes depend on the
+/// picture's size alone, and so do the bytes. Keeps its compressors and buffers between calls:
 /// allocates nothing after warm-up (libjpeg-turbo's own few pools aside). One thread at a time.
 class JpegEncoder {
  public:
@@ -22,8 +25,11 @@ class JpegEncoder {
   void encode(const Rgb8Image& image, int quality, std::vector<std::uint8_t>& jpeg);
 
  private:
-  void* compressor_;
-  std::vector<std::uint8_t> buffer_;
+  class Stripe;
+  /// One file of the first `count` stripes; all but the last are of `interval` units of 16×16.
+  void join(std::size_t count, int height, int interval, std::vector<std::uint8_t>& jpeg) const;
+
+  std::vector<std::unique_ptr<Stripe>> stripes_;
 };
 
 /// Lossless PNG, 8-bit RGB with the sRGB chunk; level 1 with the "up" filter (LIMITS: 8 ms at

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <png.h>
+#include <turbojpeg.h>
 
 #include <algorithm>
 #include <cmath>
@@ -136,6 +137,42 @@ TEST(Jpeg, KeepsTheSizeAndTheLookAtAnySize) {
     ASSERT_EQ(read.width, width);
     ASSERT_EQ(read.height, height);
     EXPECT_GT(psnr(read, image), 28) << width << " × " << height;
+  }
+}
+
+/// The picture in one piece, by libjpeg-turbo alone.
+Bytes jpeg_in_one_piece(const Rgb8Image& image, int quality) {
+  const tjhandle compressor = tjInitCompress();
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  EXPECT_EQ(tjCompress2(compressor, image.bytes.data(), image.width, 0, image.height, TJPF_RGB,
+                        &bytes, &size, TJSAMP_420, quality, 0),
+            0);
+  const Bytes file(bytes, bytes + size);
+  tjFree(bytes);
+  tjDestroy(compressor);
+  return file;
+}
+
+TEST(Jpeg, StripesDecodeToThePixelsOfAFileInOnePiece) {
+  // About the heights where another stripe begins, and one that needs more than eight.
+  for (const auto& [width, height] : {std::pair(40, 64),
+                                      {40, 65},
+                                      {17, 81},
+                                      {640, 511},
+                                      {640, 512},
+                                      {1921, 1081},
+                                      {33, 2047},
+                                      {16384, 1100}}) {
+    const Rgb8Image image = smooth_image(width, height);
+    const Bytes jpeg = jpeg_of(image, 80), whole = jpeg_in_one_piece(image, 80);
+    const Rgb8Image read = decode_jpeg(jpeg.data(), jpeg.size(), "a.jpg");
+    EXPECT_EQ(read.height, height);
+    EXPECT_EQ(read.bytes, decode_jpeg(whole.data(), whole.size(), "b.jpg").bytes)
+        << width << " × " << height;
+    const auto more = static_cast<double>(jpeg.size()) - static_cast<double>(whole.size());
+    EXPECT_LE(more, 0.03 * static_cast<double>(whole.size()) + 200) << width << " × " << height;
+    EXPECT_EQ(jpeg == whole, height <= 64);
   }
 }
 
