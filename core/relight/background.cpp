@@ -10,75 +10,73 @@
 namespace rimlight {
 namespace {
 
-struct FaceCoordinates {
-  int face;
-  float x, y;
+/// Vec3f texels of one face by rows and columns of its bordered form.
+class BorderedFace {
+ public:
+  BorderedFace(float* texels, int size) : texels_(texels), side_(size + 2) {}
+
+  Vec3f get(int row, int column) const {
+    const float* const texel = at(row, column);
+    return {texel[0], texel[1], texel[2]};
+  }
+  void put(int row, int column, const Vec3f& radiance) const {
+    for (int c = 0; c < 3; ++c) at(row, column)[c] = radiance[c];
+  }
+
+ private:
+  float* at(int row, int column) const { return texels_ + 4 * (row * side_ + column); }
+
+  float* texels_;
+  int side_;
 };
 
-/// cube::face_point in floats: on every face right and up are positive axes, in turn on the faces
-/// of positive axes, in the other order on those of negative ones (right × up = axis).
-FaceCoordinates face_coordinates(const Vec3f& d) {
-  const float ax = std::abs(d.x), ay = std::abs(d.y), az = std::abs(d.z);
-  if (ax >= ay && ax >= az) {
-    return d.x >= 0 ? FaceCoordinates{0, d.y / ax, d.z / ax}
-                    : FaceCoordinates{1, d.z / ax, d.y / ax};
+/// Three faces meet at a corner: there stands the mean of their three texels.
+void fill_corners(const BorderedFace& face, int size) {
+  const int last = size + 1;
+  for (const int row : {0, last}) {
+    for (const int column : {0, last}) {
+      const int near_row = row == 0 ? 1 : size, near_column = column == 0 ? 1 : size;
+      face.put(row, column,
+               (face.get(near_row, near_column) + face.get(row, near_column) +
+                face.get(near_row, column)) /
+                   3.0f);
+    }
   }
-  if (ay >= az) {
-    return d.y >= 0 ? FaceCoordinates{2, d.z / ay, d.x / ay}
-                    : FaceCoordinates{3, d.x / ay, d.z / ay};
-  }
-  return d.z >= 0 ? FaceCoordinates{4, d.x / az, d.y / az} : FaceCoordinates{5, d.y / az, d.x / az};
 }
-
-Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + (b - a) * t; }
 
 }  // namespace
 
 BackgroundMap::BackgroundMap(const CubeLight& texels)
     : size_(texels.size),
-      side_(texels.size + 2),
-      texels_(static_cast<std::size_t>(cube::kFaces) * static_cast<std::size_t>(side_) *
-              static_cast<std::size_t>(side_)) {
-  const auto put = [this](int face, int row, int column) -> Vec3f& {
-    return const_cast<Vec3f&>(texel(face, row, column));
-  };
+      texels_(4 * static_cast<std::size_t>(cube::kFaces) * static_cast<std::size_t>(size_ + 2) *
+              static_cast<std::size_t>(size_ + 2)) {
   const int last = size_ + 1;
   for (int face = 0; face < cube::kFaces; ++face) {
+    const BorderedFace bordered(texels_.data() + 4 * face * (size_ + 2) * (size_ + 2), size_);
     const auto beyond = [&](cube::Border border, int index) {
       return texels.at(cube::texel_beyond(face, border, index, size_));
     };
     for (int i = 0; i < size_; ++i) {
       for (int column = 0; column < size_; ++column) {
         const int index = (face * size_ + i) * size_ + column;
-        put(face, i + 1, column + 1) = texels.at(static_cast<std::size_t>(index));
+        bordered.put(i + 1, column + 1, texels.at(static_cast<std::size_t>(index)));
       }
-      put(face, i + 1, last) = beyond(cube::Border::right, i);
-      put(face, i + 1, 0) = beyond(cube::Border::left, i);
-      put(face, last, i + 1) = beyond(cube::Border::top, i);
-      put(face, 0, i + 1) = beyond(cube::Border::bottom, i);
+      bordered.put(i + 1, last, beyond(cube::Border::right, i));
+      bordered.put(i + 1, 0, beyond(cube::Border::left, i));
+      bordered.put(last, i + 1, beyond(cube::Border::top, i));
+      bordered.put(0, i + 1, beyond(cube::Border::bottom, i));
     }
-    // Three faces meet at a corner: there stands the mean of their three texels.
-    for (const int row : {0, last}) {
-      for (const int column : {0, last}) {
-        const int near_row = row == 0 ? 1 : size_, near_column = column == 0 ? 1 : size_;
-        put(face, row, column) = (texel(face, near_row, near_column) +
-                                  texel(face, row, near_column) + texel(face, near_row, column)) /
-                                 3.0f;
-      }
-    }
+    fill_corners(bordered, size_);
   }
 }
 
 Vec3f BackgroundMap::at(const Vec3f& direction) const {
-  const FaceCoordinates point = face_coordinates(direction);
-  // The middle of texel c lies at c + 1 of the bordered face.
-  const auto half = static_cast<float>(size_) / 2;
-  const float x = (point.x + 1) * half + 0.5f, y = (point.y + 1) * half + 0.5f;
-  const int column = std::clamp(static_cast<int>(x), 0, size_);
-  const int row = std::clamp(static_cast<int>(y), 0, size_);
-  const float s = x - static_cast<float>(column), t = y - static_cast<float>(row);
-  return mix(mix(texel(point.face, row, column), texel(point.face, row, column + 1), s),
-             mix(texel(point.face, row + 1, column), texel(point.face, row + 1, column + 1), s), t);
+  BackgroundLookUps one;
+  std::ranges::fill(one.x, direction.x);
+  std::ranges::fill(one.y, direction.y);
+  std::ranges::fill(one.z, direction.z);
+  look_up(faces(), {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1, one);
+  return {one.radiance[0][0], one.radiance[0][1], one.radiance[0][2]};
 }
 
 BackgroundPixels::BackgroundPixels(const PixelLayout& layout, const Camera& camera,

@@ -9,6 +9,7 @@
 #include "core/light/cube_light.h"
 #include "core/math/camera.h"
 #include "core/math/rotation.h"
+#include "core/relight/background_kernel.h"
 #include "core/transport/receivers.h"
 
 namespace rimlight {
@@ -22,17 +23,12 @@ class BackgroundMap {
 
   /// Bilinear between texels' middles on the direction's face; any length but zero.
   Vec3f at(const Vec3f& direction) const;
+  /// For look_up(), many at once.
+  BorderedFaces faces() const { return {texels_.data(), size_}; }
 
  private:
-  /// Rows and columns of the bordered face.
-  const Vec3f& texel(int face, int row, int column) const {
-    const int index = (face * side_ + row) * side_ + column;
-    return texels_[static_cast<std::size_t>(index)];
-  }
-
   int size_;
-  int side_;                     // size + 2
-  AlignedVector<Vec3f> texels_;  // [face][row + 1][column + 1]
+  AlignedVector<float> texels_;  // [face][row + 1][column + 1][4]
 };
 
 /// The pixels that geometry does not cover wholly, by tile, with their rays: the only ones that the

@@ -13,14 +13,23 @@ namespace rimlight {
 namespace {
 
 void add_background(std::span<const BackgroundPixels::Pixel> pixels, const BackgroundMap& map,
-                    const Matrix3& to_source, TileImage& image) {
-  const Vec3f rows[3] = {Vec3f(to_source.row[0]), Vec3f(to_source.row[1]), Vec3f(to_source.row[2])};
-  for (const BackgroundPixels::Pixel& pixel : pixels) {
-    const Vec3f& d = pixel.direction;
-    const Vec3f radiance =
-        pixel.share * map.at({dot(rows[0], d), dot(rows[1], d), dot(rows[2], d)});
-    const std::size_t at = pixel.y * TileImage::kSide + pixel.x;
-    for (std::size_t c = 0; c < 3; ++c) image.channel[c][at] += radiance[static_cast<int>(c)];
+                    const float (&to_source)[3][3], TileImage& image) {
+  BackgroundLookUps look_ups;
+  std::ranges::fill(look_ups.z, 1.0f);  // nothing is looked up along zero
+  for (std::size_t begin = 0; begin < pixels.size(); begin += kLookUps) {
+    const auto part = pixels.subspan(begin, std::min(kLookUps, pixels.size() - begin));
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      look_ups.x[i] = part[i].direction.x;
+      look_ups.y[i] = part[i].direction.y;
+      look_ups.z[i] = part[i].direction.z;
+    }
+    look_up(map.faces(), to_source, part.size(), look_ups);
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      const std::size_t at = part[i].y * TileImage::kSide + part[i].x;
+      for (std::size_t c = 0; c < 3; ++c) {
+        image.channel[c][at] += part[i].share * look_ups.radiance[i][c];
+      }
+    }
   }
 }
 
@@ -43,7 +52,13 @@ Display::Display(const PixelLayout& layout, const Camera& camera, std::span<cons
 template <typename Visit>
 void Display::for_each_tile(const Relighter& relighter, const Background& background,
                             const Visit& visit) {
-  const Matrix3 to_source = matrix(conjugate(background.rotation));
+  const Matrix3 turn = matrix(conjugate(background.rotation));
+  float to_source[3][3];
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      to_source[row][column] = static_cast<float>(turn.row[row][column]);
+    }
+  }
   const auto show_tile = [&](std::size_t tile) {
     alignas(64) std::array<float, kTileFloats> radiance;
     TileImage image;
