@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <numeric>
 
 #include "core/base/parallel.h"
@@ -71,7 +70,7 @@ void Display::for_each_tile(const Relighter& relighter, const Background& backgr
                 std::min(PixelLayout::kTileSide, layout_.height - top)},
           image);
   };
-  parallel_for(relighter.tile_count(), std::cref(show_tile));
+  parallel_for(relighter.tile_count(), show_tile);
 }
 
 double Display::show(const Relighter& relighter, const Background& background, float scale,

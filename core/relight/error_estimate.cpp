@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <functional>
 #include <span>
 
 #include "core/base/check.h"
@@ -31,7 +30,7 @@ ErrorEstimate ErrorEstimator::estimate(const CubeLight& target, const HeldLight&
     }
     sketched[c][range] = sketch_images(sketch_, c, residual, wanted, first, end - first);
   };
-  parallel_for(3 * kRanges, std::cref(sketch_range));
+  parallel_for(3 * kRanges, sketch_range);
   ErrorEstimate estimate;
   for (auto& channel : sketched) {
     for (std::size_t range = 1; range < kRanges; ++range) channel[0] += channel[range];

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <functional>
 
 #include "core/base/check.h"
 #include "core/base/parallel.h"
@@ -111,7 +110,7 @@ void Relighter::apply(const UpdatePlan& plan, const CubeLight& target) {
     const std::size_t tile = (next_rebuilt_ + i) % tile_count();
     update_tile(i < tiles_rebuilt_ ? fresh_plan_ : plan, was_zero_, tile, images_);
   };
-  parallel_for(tile_count(), std::cref(update));
+  parallel_for(tile_count(), update);
   next_rebuilt_ = (next_rebuilt_ + tiles_rebuilt_) % tile_count();
 }
 
@@ -166,7 +165,7 @@ bool Relighter::apply_exact(const CubeLight& target, const std::function<bool()>
       sum_fresh_bands(tile, fresh_[0].tile(tile));
     }
   };
-  parallel_for(tile_count(), std::cref(update));
+  parallel_for(tile_count(), update);
   if (abandoned) return false;
   images_.swap(fresh_);
   rebuild_credit_ = 0;
