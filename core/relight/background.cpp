@@ -83,6 +83,7 @@ BackgroundPixels::BackgroundPixels(const PixelLayout& layout, const Camera& came
                                    std::span<const float> coverage) {
   RIMLIGHT_CHECK_EQ(coverage.size(), static_cast<std::size_t>(layout.width) *
                                          static_cast<std::size_t>(layout.height));
+  const CameraRays rays(camera, layout.width, layout.height);
   first_.push_back(0);
   for (int top = 0; top < layout.height; top += PixelLayout::kTileSide) {
     for (int left = 0; left < layout.width; left += PixelLayout::kTileSide) {
@@ -93,9 +94,9 @@ BackgroundPixels::BackgroundPixels(const PixelLayout& layout, const Camera& came
           const int index = y * layout.width + x;
           const float share = 1 - coverage[static_cast<std::size_t>(index)];
           if (!(share > 0)) continue;
-          pixels_.push_back(
-              {static_cast<std::uint16_t>(x - left), static_cast<std::uint16_t>(y - top), share,
-               Vec3f(camera.ray_direction(x + 0.5, y + 0.5, layout.width, layout.height))});
+          pixels_.push_back({static_cast<std::uint16_t>(x - left),
+                             static_cast<std::uint16_t>(y - top), share,
+                             Vec3f(rays.direction(x + 0.5, y + 0.5))});
         }
       }
       first_.push_back(pixels_.size());

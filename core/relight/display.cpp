@@ -41,6 +41,15 @@ double square_of(std::span<const float, kTileFloats> radiance) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
+Display::FillTile tiles_of(const Relighter& relighter) {
+  return [&relighter](std::size_t tile, TileImage& image) {
+    alignas(64) std::array<float, kTileFloats> radiance;
+    relighter.find_radiance(tile, radiance);
+    rows_from_blocks(radiance, image);
+    return square_of(radiance);
+  };
+}
+
 }  // namespace
 
 Display::Display(const PixelLayout& layout, const Camera& camera, std::span<const float> coverage)
@@ -48,8 +57,12 @@ Display::Display(const PixelLayout& layout, const Camera& camera, std::span<cons
       background_pixels_(layout, camera, coverage),
       tile_square_(layout.tile_count()) {}
 
+void Display::set_view(const Camera& camera, std::span<const float> coverage) {
+  background_pixels_ = BackgroundPixels(layout_, camera, coverage);
+}
+
 template <typename Visit>
-void Display::for_each_tile(const Relighter& relighter, const Background& background,
+void Display::for_each_tile(const FillTile& fill, const Background& background,
                             const Visit& visit) {
   const Matrix3 turn = matrix(conjugate(background.rotation));
   float to_source[3][3];
@@ -59,24 +72,21 @@ void Display::for_each_tile(const Relighter& relighter, const Background& backgr
     }
   }
   const auto show_tile = [&](std::size_t tile) {
-    alignas(64) std::array<float, kTileFloats> radiance;
     TileImage image;
-    relighter.find_radiance(tile, radiance);
-    tile_square_[tile] = square_of(radiance);
-    rows_from_blocks(radiance, image);
+    tile_square_[tile] = fill(tile, image);
     add_background(background_pixels_.of_tile(tile), background.map, to_source, image);
     const auto [left, top] = layout_.pixel(tile * kTileReceivers);
     visit(Place{left, top, std::min(PixelLayout::kTileSide, layout_.width - left),
                 std::min(PixelLayout::kTileSide, layout_.height - top)},
           image);
   };
-  parallel_for(relighter.tile_count(), show_tile);
+  parallel_for(layout_.tile_count(), show_tile);
 }
 
-double Display::show(const Relighter& relighter, const Background& background, float scale,
+double Display::show(const FillTile& fill, const Background& background, float scale,
                      Rgb8Image& frame) {
   frame.resize(layout_.width, layout_.height);
-  for_each_tile(relighter, background, [&](const Place& place, const TileImage& image) {
+  for_each_tile(fill, background, [&](const Place& place, const TileImage& image) {
     const auto width = static_cast<std::size_t>(place.width);
     for (int y = 0; y < place.height; ++y) {
       const auto row = [&](std::size_t c) {
@@ -91,9 +101,14 @@ double Display::show(const Relighter& relighter, const Background& background, f
   return std::sqrt(std::accumulate(tile_square_.begin(), tile_square_.end(), 0.0));
 }
 
-void Display::show(const Relighter& relighter, const Background& background, RgbImage& image) {
+double Display::show(const Relighter& relighter, const Background& background, float scale,
+                     Rgb8Image& frame) {
+  return show(tiles_of(relighter), background, scale, frame);
+}
+
+void Display::show(const FillTile& fill, const Background& background, RgbImage& image) {
   image = RgbImage(layout_.width, layout_.height);
-  for_each_tile(relighter, background, [&](const Place& place, const TileImage& tile) {
+  for_each_tile(fill, background, [&](const Place& place, const TileImage& tile) {
     for (int y = 0; y < place.height; ++y) {
       for (int x = 0; x < place.width; ++x) {
         const auto at =
@@ -103,6 +118,10 @@ void Display::show(const Relighter& relighter, const Background& background, Rgb
       }
     }
   });
+}
+
+void Display::show(const Relighter& relighter, const Background& background, RgbImage& image) {
+  show(tiles_of(relighter), background, image);
 }
 
 }  // namespace rimlight

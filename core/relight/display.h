@@ -13,12 +13,19 @@
 
 namespace rimlight {
 
-/// B to pixels: takes radiance from a relighter, puts the environment behind what geometry leaves
+/// B to pixels: takes radiance tile by tile, puts the environment behind what geometry leaves
 /// uncovered, tone-maps. One thread at a time; computes on all cores, allocates nothing.
 class Display {
  public:
   /// `coverage` [height][width] in [0, 1].
   Display(const PixelLayout& layout, const Camera& camera, std::span<const float> coverage);
+
+  /// Another view: as if made anew.
+  void set_view(const Camera& camera, std::span<const float> coverage);
+
+  /// Writes the radiance of one tile's pixels, black outside the image; answers Σ of its squares.
+  /// Called from several threads at once, once for each tile.
+  using FillTile = std::function<double(std::size_t tile, TileImage& image)>;
 
   /// The environment as it stands behind the pixels.
   struct Background {
@@ -28,9 +35,11 @@ class Display {
 
   /// Pixels in sRGB; `scale` multiplies radiance. The frame is resized. Returns ‖B‖, √ of the sum
   /// over receivers and channels of its squares.
+  double show(const FillTile& fill, const Background& background, float scale, Rgb8Image& frame);
   double show(const Relighter& relighter, const Background& background, float scale,
               Rgb8Image& frame);
   /// Pixels as linear radiance. The image is resized.
+  void show(const FillTile& fill, const Background& background, RgbImage& image);
   void show(const Relighter& relighter, const Background& background, RgbImage& image);
 
  private:
@@ -39,7 +48,7 @@ class Display {
     int left, top, width, height;
   };
   template <typename Visit>
-  void for_each_tile(const Relighter& relighter, const Background& background, const Visit& visit);
+  void for_each_tile(const FillTile& fill, const Background& background, const Visit& visit);
 
   PixelLayout layout_;
   BackgroundPixels background_pixels_;

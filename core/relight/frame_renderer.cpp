@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/base/check.h"
-#include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
 #include "core/image/metrics.h"
@@ -18,11 +17,10 @@
 #include "core/relight/prepared_environment.h"
 #include "core/relight/recent_times.h"
 #include "core/relight/relighter.h"
+#include "core/relight/shown_environments.h"
 
 namespace rimlight {
 namespace {
-
-constexpr double kUnitTolerance = 1e-3;  // a client's quaternion comes through decimal digits
 
 /// An environment, ready for this renderer's frames.
 struct Light {
@@ -42,7 +40,7 @@ struct FrameRenderer::State {
   Relighter relighter;
   Display display;
   ErrorEstimator estimator;
-  std::map<std::string, BakedEnvironment> environments;
+  ShownEnvironments environments;
   std::map<std::string, Light> lights;  // of the environments shown so far
   CubeLight texels;                     // of the rotated light; scratch of its transform
   CubeLight target;
@@ -59,29 +57,18 @@ struct FrameRenderer::State {
         relighter(bake->transport(), bake->reflectance(), haar, held_images_for(settings.policy)),
         display(bake->manifest().pixels, bake->manifest().camera, bake->coverage()),
         estimator(bake->sketch()),
+        environments(bake->environments()),
         target(haar.size()),
         shares(layer_shares(bake->sketch())),
-        updater(*bake, haar, settings.policy, relighter) {
-    for (const BakedEnvironment& baked : bake->environments()) {
-      environments.emplace(baked.environment->name(), baked);
-    }
-  }
+        updater(*bake, haar, settings.policy, relighter) {}
 
   const PixelLayout& pixels() const { return bake->manifest().pixels; }
-
-  const BakedEnvironment& environment(const std::string& name) const {
-    const auto found = environments.find(name);
-    if (found != environments.end()) return found->second;
-    std::string names;
-    for (const auto& item : environments) names += " " + quote(item.first);
-    throw Error("environment", quote(name), "one of" + names);
-  }
 
   Light& light(const std::string& name) {
     const auto found = lights.find(name);
     if (found != lights.end()) return found->second;
     return lights
-        .try_emplace(name, prepare_environment(environment(name).environment,
+        .try_emplace(name, prepare_environment(environments.at(name).environment,
                                                {haar.size(), settings.background_size}))
         .first->second;
   }
@@ -122,9 +109,16 @@ struct FrameRenderer::State {
     return size > 0 ? weighted_distance(haar, target, relighter.held(), shares) / size : 0;
   }
 
-  float exposure_of(const DesignState& state) const {
-    return static_cast<float>(environment(state.environment).exposure_scale *
-                              std::exp2(state.exposure_stops));
+  /// What one camera's image with its materials baked in cannot follow.
+  std::vector<std::string> unshown(const DesignState& state) const {
+    std::vector<std::string> result;
+    if (state.view && *state.view != bake->manifest().camera) {
+      result.emplace_back("the moved camera (this bake is the image of one)");
+    }
+    if (!state.materials.empty()) {
+      result.emplace_back("edits of materials (this bake has them built in)");
+    }
+    return result;
   }
 
   /// Makes pixels, and the estimate that the report says.
@@ -133,8 +127,9 @@ struct FrameRenderer::State {
     Stopwatch watch;
     const double norm =
         display.show(relighter, {light(state.environment).prepared->background, rotation},
-                     exposure_of(state), frame);
+                     environments.exposure_of(state), frame);
     report.display_ms = watch.lap_ms();
+    report.unshown = unshown(state);
     estimate_error(norm, report);
     showing.add(report.display_ms + report.estimate_ms);
   }
@@ -175,23 +170,6 @@ struct FrameRenderer::State {
   }
 };
 
-namespace {
-
-/// The state's rotation, exactly unit; throws Error for a state that nothing can show.
-Quaternion checked_rotation(const DesignState& state) {
-  if (!(std::abs(state.exposure_stops) <= FrameRenderer::kMostStops)) {
-    throw Error("exposure_stops", std::to_string(state.exposure_stops),
-                "at most " + std::to_string(FrameRenderer::kMostStops) + " either way");
-  }
-  const double size = norm(state.rotation);
-  if (!(std::abs(size - 1) <= kUnitTolerance)) {
-    throw Error("rotation", "a quaternion of length " + std::to_string(size), "a unit quaternion");
-  }
-  return normalized(state.rotation);
-}
-
-}  // namespace
-
 FrameRenderer::FrameRenderer(std::shared_ptr<const Bake> bake, const RelightSettings& settings)
     : state_(std::make_unique<State>(std::move(bake), settings)) {}
 
@@ -208,10 +186,12 @@ void FrameRenderer::prepare(const Bake& bake, const RelightSettings& settings) {
 void FrameRenderer::add_environment(std::shared_ptr<const Environment> environment) {
   const std::string name = environment->name();
   state_->lights.erase(name);
-  state_->environments.insert_or_assign(name, BakedEnvironment{std::move(environment), 1});
+  state_->environments.set({environment, 1});
   FrameReport report;
-  RIMLIGHT_CHECK(state_->relight_exactly({name, {}, 0}, {}, report, {}));
-  state_->environments.at(name).exposure_scale = auto_exposure_scale(state_->covered_radiance());
+  DesignState state;
+  state.environment = name;
+  RIMLIGHT_CHECK(state_->relight_exactly(state, {}, report, {}));
+  state_->environments.set({environment, auto_exposure_scale(state_->covered_radiance())});
 }
 
 FrameReport FrameRenderer::render_moving(const DesignState& state, Rgb8Image& frame) {

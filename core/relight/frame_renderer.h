@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "core/image/image.h"
 #include "core/relight/design_state.h"
+#include "core/relight/frame_report.h"
 #include "core/relight/frame_update.h"
 #include "core/relight/policy_settings.h"
 #include "core/transport/bake_folder.h"
@@ -21,25 +21,6 @@ struct RelightSettings {
   int background_size = 256;  // texels a side of the cube map of the environment behind the pixels
 };
 
-/// How one frame came about.
-struct FrameReport {
-  bool exact = false;
-  std::size_t terms = 0;        // columns added
-  std::size_t bands_reset = 0;  // bands that started from zero; all of them when exact
-  /// ‖target − held‖₁ / ‖target‖₁ of the lighting, area-weighted; of several layers of transport
-  /// the mean by their energies. 0 when exact.
-  double residual = 0;
-  /// Estimated relative L2 error of the image, linear radiance, compression included (see
-  /// ErrorEstimator): of this frame, or of one a few frames ago where time is short. Nothing for a
-  /// black image.
-  std::optional<double> estimate;
-  std::optional<double> estimate_of_time;  // the part of it that time will mend
-  double rotate_ms = 0;                    // light rotation and Haar transform
-  double update_ms = 0;                    // policy and columns
-  double display_ms = 0;                   // composite and tone map
-  double estimate_ms = 0;
-};
-
 /// Turns a design state into pixels of one bake: rotates the light, plans and applies the update,
 /// composites the environment behind the pixels, tone-maps. Holds B and the held light of one
 /// design session. Allocates nothing after the first frames of each environment. One thread at a
@@ -49,11 +30,10 @@ struct FrameReport {
 /// environment in the same rotation, looked up in a finer cube map than the light's.
 ///
 /// Every call throws Error for a state that cannot be shown: an unknown environment, a rotation
-/// that is no unit quaternion to 10⁻³, an exposure that is not within ±kMostStops.
+/// that is no unit quaternion to 10⁻³, an exposure that is not within ±kMostStops. A view other
+/// than the bake's camera, and edits of materials, cannot be shown: the report says so.
 class FrameRenderer {
  public:
-  static constexpr double kMostStops = 64;
-
   FrameRenderer(std::shared_ptr<const Bake> bake, const RelightSettings& settings);
   ~FrameRenderer();
 

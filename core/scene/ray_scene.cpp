@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <type_traits>
 
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/scene/embree_tree.h"
 #include "core/scene/texture.h"
 
 namespace rimlight {
@@ -27,49 +26,9 @@ constexpr float kOffsetScale = 0x1p-16f;
 /// The least cosine between a shading normal and the ray that it faces.
 constexpr float kLeastCosine = 0.01f;
 
-struct ReleaseDevice {
-  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-};
-struct ReleaseScene {
-  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
-};
-struct ReleaseGeometry {
-  void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
-};
-using DevicePtr = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice>;
-using ScenePtr = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
-using GeometryPtr = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry>;
-
-void check_device(RTCDevice device, const std::string& scene_name) {
-  const RTCError code = rtcGetDeviceError(device);
-  if (code == RTC_ERROR_NONE) return;
-  const std::string found = code == RTC_ERROR_OUT_OF_MEMORY
-                                ? "no memory for its tree of rays"
-                                : "Embree error " + std::to_string(static_cast<int>(code));
-  throw Error(scene_name, found, "a scene that Embree can take");
-}
-
-/// A buffer of Embree's own (which it pads as its SIMD loads need), filled from `values`.
-template <typename T>
-bool fill_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format,
-                 const std::vector<T>& values) {
-  void* const buffer = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), values.size());
-  if (buffer != nullptr) std::memcpy(buffer, values.data(), values.size() * sizeof(T));
-  return buffer != nullptr;
-}
-
 /// Geometry ids are mesh indices; a mesh without triangles leaves its id unused.
 void attach(RTCDevice device, RTCScene scene, const Mesh& mesh, unsigned id) {
-  if (mesh.triangles.empty()) return;
-  const GeometryPtr geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
-  if (!geometry) return;
-  static_assert(sizeof(Vec3f) == 12 && sizeof(mesh.triangles[0]) == 12);
-  if (!fill_buffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, mesh.positions) ||
-      !fill_buffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, mesh.triangles)) {
-    return;  // the device holds the error
-  }
-  rtcCommitGeometry(geometry.get());
-  rtcAttachGeometryByID(scene, geometry.get(), id);
+  embree::attach_triangles(device, scene, {mesh.positions, mesh.triangles}, id);
 }
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -188,8 +147,8 @@ Brdf brdf_at(const Material& material, const Mesh& mesh, const std::array<std::u
 
 struct RayScene::State {
   std::shared_ptr<const Scene> source;
-  DevicePtr device;
-  ScenePtr tree;
+  embree::DevicePtr device;
+  embree::ScenePtr tree;
   float extent = 0;
   bool has_packets = false;
 };
@@ -198,13 +157,11 @@ RayScene::RayScene(std::shared_ptr<const Scene> scene) : state_(std::make_unique
   RIMLIGHT_CHECK(scene != nullptr);
   flush_denormals();
   state_->source = std::move(scene);
-  // Not "threads=1", which would hold the whole process to one thread as long as the device lives.
-  state_->device.reset(rtcNewDevice("set_affinity=0"));
+  state_->device = embree::new_device();
   RTCDevice const device = state_->device.get();
-  if (device == nullptr) throw Error("Embree", "no device", "a CPU with SSE2");
   state_->tree.reset(rtcNewScene(device));
   RTCScene const tree = state_->tree.get();
-  check_device(device, state_->source->name);
+  embree::check_device(device, state_->source->name);
   state_->has_packets =
       rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
   rtcSetSceneBuildQuality(tree, RTC_BUILD_QUALITY_HIGH);
@@ -213,11 +170,9 @@ RayScene::RayScene(std::shared_ptr<const Scene> scene) : state_(std::make_unique
   for (std::size_t i = 0; i < state_->source->meshes.size(); ++i) {
     attach(device, tree, state_->source->meshes[i], static_cast<unsigned>(i));
   }
-  check_device(device, state_->source->name);
-  // Alone: Embree's parallel builders split by work stealing, which may change the tree. Joining
-  // makes Embree work in our arena instead of its own.
-  run_alone([tree] { rtcJoinCommitScene(tree); });
-  check_device(device, state_->source->name);
+  embree::check_device(device, state_->source->name);
+  embree::commit_alone(tree);
+  embree::check_device(device, state_->source->name);
   RTCBounds bounds{};
   rtcGetSceneBounds(tree, &bounds);
   const float longest = std::max({bounds.upper_x - bounds.lower_x, bounds.upper_y - bounds.lower_y,

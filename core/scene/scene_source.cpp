@@ -39,15 +39,9 @@ Camera read_camera(const JsonReader& json) {
   camera.target = read_point(json.member("target"));
   if (const auto up = json.optional_member("up")) camera.up = read_point(*up);
   if (const auto angle = json.optional_member("field_of_view")) {
-    camera.vertical_field_of_view_degrees = angle->number(1, 170);
+    camera.vertical_field_of_view_degrees = angle->number(kLeastFieldOfView, kMostFieldOfView);
   }
-  const Vec3d way = camera.target - camera.position;
-  if (!(length(way) > 1e-9)) json.member("target").fail("a point other than the position");
-  const double up_length = length(camera.up);
-  if (!(up_length > 1e-9) || !(length(cross(way, camera.up)) > 1e-6 * length(way) * up_length)) {
-    throw Error(json.where() + "/up", "no direction across the view",
-                "a direction that is not along the view");
-  }
+  check_camera(camera, json.where());
   return camera;
 }
 

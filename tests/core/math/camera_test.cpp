@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 
+#include "core/base/error.h"
 #include "core/math/sampling.h"
+#include "tests/support/error_of.h"
 
 namespace rimlight {
 namespace {
@@ -71,6 +74,37 @@ TEST(Camera, PixelsAreSquareAndEvenOnThePlane) {
     EXPECT_NEAR(dot(right, down), 0, 1e-13);
     EXPECT_LT(length(on_plane(80, 5) - on_plane(79, 5) - right), 1e-12);
     EXPECT_GT(dot(cross(right, down), forward), 0);  // x right, y down, seen along the view
+  }
+}
+
+TEST(Camera, RaysFoundAtOnceAreTheSame) {
+  Random random(4);
+  for (int i = 0; i < 200; ++i) {
+    const Camera camera = random_camera(random);
+    const CameraRays rays(camera, 90, 40);
+    const double x = random.uniform(0, 90), y = random.uniform(0, 40);
+    EXPECT_EQ(rays.direction(x, y), camera.ray_direction(x, y, 90, 40));
+    EXPECT_NO_THROW(check_camera(camera, "camera"));
+  }
+}
+
+TEST(Camera, ThoseWithoutRaysAreRefusedByTheField) {
+  const auto where = [](const auto& change) {
+    Camera camera;
+    change(camera);
+    const std::string error = test::error_of([&] { check_camera(camera, "view"); });
+    return error.substr(0, error.find(':'));
+  };
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(where([](Camera& c) { c.position.x = kNan; }), "view/position");
+  EXPECT_EQ(where([](Camera& c) { c.target.y = 1e10; }), "view/target");
+  EXPECT_EQ(where([](Camera& c) { c.target = c.position; }), "view/target");
+  EXPECT_EQ(where([](Camera& c) { c.up = {0, 0, 0}; }), "view/up");
+  EXPECT_EQ(where([](Camera& c) { c.up = {0, 0, -2}; }), "view/up");
+  EXPECT_EQ(where([](Camera& c) { c.up.z = kNan; }), "view/up");
+  for (const double angle : {0.5, 171.0, kNan}) {
+    EXPECT_EQ(where([angle](Camera& c) { c.vertical_field_of_view_degrees = angle; }),
+              "view/field_of_view");
   }
 }
 

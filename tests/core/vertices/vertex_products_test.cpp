@@ -1,0 +1,259 @@
+// The full calculation against sums in double, one vertex at a time.
+#include "core/vertices/vertex_products.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/base/check.h"
+#include "core/base/parallel.h"
+#include "core/basis/sh_tripling.h"
+#include "tests/core/vertices/random_vertices.h"
+#include "tests/support/allocation_count.h"
+
+namespace rimlight {
+namespace {
+
+constexpr std::size_t kSums = kLightChannels * kBatchVertices;
+using Selected = std::vector<std::uint32_t>;
+
+/// (n + 1)² of one vertex' row of transport, in double.
+std::vector<double> row_of(std::span<const Half> transport, std::size_t block, std::size_t count,
+                           std::size_t lane) {
+  std::vector<double> row(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    row[i] = static_cast<double>(to_float(transport[(block * count + i) * kBatchVertices + lane]));
+  }
+  return row;
+}
+
+/// Σ_j Σ_k C(i, j, k) f_j L_k to the degree of f, one channel of a light of any degree.
+std::vector<double> product(const std::vector<double>& f, std::span<const float> light) {
+  std::vector<double> result(f.size());
+  const int degree = sh::degree_of_count(f.size());
+  ShTripling::to_degree(degree).for_each(
+      [&](std::size_t i, std::size_t j, std::size_t k, double c) {
+        if (k >= light.size()) return;
+        result[i] += c * f[j] * static_cast<double>(light[k]);
+        if (i != j) result[j] += c * f[i] * static_cast<double>(light[k]);
+      });
+  return result;
+}
+
+double highlight(const std::vector<double>& incident, std::span<const float> factors,
+                 const Vec3f& mirrored) {
+  const int degree = sh::degree_of_count(incident.size());
+  const auto values = sh::evaluate(
+      normalized(Vec3d{static_cast<double>(mirrored.x), static_cast<double>(mirrored.y),
+                       static_cast<double>(mirrored.z)}),
+      degree);
+  double sum = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    sum += static_cast<double>(factors[static_cast<std::size_t>(sh::degree_of(i))]) * values[i] *
+           incident[i];
+  }
+  return sum;
+}
+
+/// Every vertex that is a multiple of 3, and the last.
+Selected some_vertices(std::size_t count) {
+  Selected chosen;
+  for (std::uint32_t v = 0; v < count; v += 3) chosen.push_back(v);
+  if (chosen.back() + 1 != count) chosen.push_back(static_cast<std::uint32_t>(count - 1));
+  return chosen;
+}
+
+TEST(VertexSelection, PacksVerticesInOrder) {
+  const Selected chosen = some_vertices(517);
+  VertexSelection selection;
+  selection.select_vertices(chosen);
+  ASSERT_EQ(selection.vertex_count(), chosen.size());
+  EXPECT_EQ(selection.vertex_end(), 517u);
+  std::size_t seen = 0;
+  for (std::size_t panel = 0; panel < selection.panel_count(); ++panel) {
+    std::size_t lanes = 0;
+    selection.for_each_vertex(panel, [&](std::size_t vertex, std::size_t lane) {
+      EXPECT_EQ(lane, lanes++);
+      EXPECT_EQ(vertex, chosen[seen++]);
+    });
+    EXPECT_EQ(lanes, selection.lane_count(panel));
+  }
+  EXPECT_EQ(seen, chosen.size());
+}
+
+TEST(VertexSelection, TakesWholeBatchesAsTheyAre) {
+  VertexSelection selection;
+  selection.select_batches(Selected{1, 4});
+  ASSERT_EQ(selection.panel_count(), 2u);
+  EXPECT_EQ(selection.vertex_count(), 2 * kBatchVertices);
+  for (std::size_t panel = 0; panel < 2; ++panel) {
+    selection.for_each_part(panel, [&](std::uint32_t batch, std::uint64_t lanes, std::size_t to) {
+      EXPECT_EQ(batch, panel == 0 ? 1u : 4u);
+      EXPECT_EQ(lanes, ~std::uint64_t{0});
+      EXPECT_EQ(to, 0u);
+    });
+  }
+}
+
+TEST(VertexSelection, RefusesAnotherOrder) {
+  VertexSelection selection;
+  EXPECT_THROW(selection.select_vertices(Selected{3, 2}), CheckFailure);
+  EXPECT_THROW(selection.select_vertices(Selected{70, 2}), CheckFailure);
+  EXPECT_THROW(selection.select_vertices(Selected{2, 2}), CheckFailure);
+  EXPECT_THROW(selection.select_batches(Selected{1, 1}), CheckFailure);
+  selection.select_vertices({});
+  EXPECT_EQ(selection.panel_count(), 0u);
+}
+
+TEST(VertexProducts, IrradianceIsTheSumInDouble) {
+  for (const std::size_t channels : {std::size_t{1}, std::size_t{3}}) {
+    const test::RandomVertices vertices({300, 100, 5, 3, channels});
+    VertexProducts products(vertices.view());
+    const auto light = test::RandomVertices::light(7);
+    products.set_light(light);
+    VertexSelection selection;
+    selection.select_vertices(some_vertices(300));
+    std::vector<float> to(selection.panel_count() * kSums, NAN);
+    products.irradiance(selection, to);
+    const std::size_t count = sh::coefficient_count(5);
+    double worst = 0;
+    for (std::size_t panel = 0; panel < selection.panel_count(); ++panel) {
+      selection.for_each_vertex(panel, [&](std::size_t vertex, std::size_t lane) {
+        for (std::size_t c = 0; c < kLightChannels; ++c) {
+          const std::size_t block = vertex / kBatchVertices * channels + (channels == 1 ? 0 : c);
+          const auto row =
+              row_of(vertices.view().irradiance, block, count, vertex % kBatchVertices);
+          const double truth = std::inner_product(
+              row.begin(), row.end(), light.begin() + static_cast<std::ptrdiff_t>(c * 64), 0.0);
+          const float sum = to[panel * kSums + c * kBatchVertices + lane];
+          worst = std::max(worst, std::abs(static_cast<double>(sum) - truth));
+        }
+      });
+    }
+    EXPECT_LE(worst, 36 * 0x1p-24 * 36) << channels;
+    EXPECT_EQ(to.back(), 0) << "padding";
+  }
+}
+
+class VertexProductsOfDegree : public testing::TestWithParam<int> {};
+
+TEST_P(VertexProductsOfDegree, IncidentLightAndHighlightsAreTheSumsInDouble) {
+  const int degree = GetParam();
+  const test::RandomVertices vertices({150, 130, 2, degree});
+  VertexProducts products(vertices.view());
+  const auto light = test::RandomVertices::light(2 * degree);
+  products.set_light(light);
+  VertexSelection selection;
+  selection.select_vertices(some_vertices(130));
+  const std::size_t count = sh::coefficient_count(degree), stride = products.row_stride();
+  std::vector<float> panels(selection.panel_count() * kSums * count, NAN);
+  std::vector<float> rows(130 * kLightChannels * stride, -1.0f);
+  std::vector<float> highlights(selection.panel_count() * kSums, NAN);
+  products.incident(selection, panels);
+  products.incident_by_vertex(selection, rows);
+  products.highlights(selection, vertices.gloss(), highlights);
+  EXPECT_EQ(rows[kLightChannels * stride], -1) << "vertex 1 is not selected";
+  double worst = 0;
+  for (std::size_t panel = 0; panel < selection.panel_count(); ++panel) {
+    selection.for_each_vertex(panel, [&](std::size_t vertex, std::size_t lane) {
+      const auto visibility = row_of(vertices.view().visibility, vertex / kBatchVertices, count,
+                                     vertex % kBatchVertices);
+      const std::span<const float> factors(
+          vertices.lobes.data() + vertices.lobe_of[vertex] * static_cast<std::size_t>(degree + 1),
+          static_cast<std::size_t>(degree) + 1);
+      for (std::size_t c = 0; c < kLightChannels; ++c) {
+        const auto truth =
+            product(visibility, std::span(light).subspan(c * light.size() / 3, light.size() / 3));
+        for (std::size_t i = 0; i < count; ++i) {
+          const float value =
+              panels[panel * kSums * count + (c * count + i) * kBatchVertices + lane];
+          worst = std::max(worst, std::abs(static_cast<double>(value) - truth[i]));
+          EXPECT_EQ(rows[(vertex * kLightChannels + c) * stride + i], value);
+        }
+        const double shine = highlight(truth, factors, vertices.mirrored[vertex]);
+        const float value = highlights[panel * kSums + c * kBatchVertices + lane];
+        worst = std::max(worst, std::abs(static_cast<double>(value) - shine));
+      }
+    });
+  }
+  RecordProperty("worst", std::to_string(worst));
+  EXPECT_LE(worst, 2e-6 * static_cast<double>(count));
+}
+INSTANTIATE_TEST_SUITE_P(Degrees, VertexProductsOfDegree, testing::Values(0, 1, 2, 4, 7));
+
+TEST(VertexProducts, AVertexHasTheSameBitsWhateverElseIsSelectedAndWithAnyThreads) {
+  const test::RandomVertices vertices({1000, 1000, 3, 4});
+  VertexProducts products(vertices.view());
+  products.set_light(test::RandomVertices::light(8));
+  VertexSelection all, some;
+  Selected every(1000);
+  std::iota(every.begin(), every.end(), 0u);
+  all.select_vertices(every);
+  some.select_vertices(some_vertices(1000));
+  std::vector<float> to_all(all.panel_count() * kSums), to_some(some.panel_count() * kSums);
+  products.highlights(all, {vertices.mirrored, vertices.lobes, {}}, to_all);
+  for (const int threads : {1, 2, 3}) {
+    set_thread_count(threads);
+    products.highlights(some, {vertices.mirrored, vertices.lobes, {}}, to_some);
+    std::size_t compared = 0;
+    for (std::size_t panel = 0; panel < some.panel_count(); ++panel) {
+      some.for_each_vertex(panel, [&](std::size_t vertex, std::size_t lane) {
+        for (std::size_t c = 0; c < kLightChannels; ++c, ++compared) {
+          EXPECT_EQ(to_some[panel * kSums + c * kBatchVertices + lane],
+                    to_all[vertex / kBatchVertices * kSums + c * kBatchVertices +
+                           vertex % kBatchVertices]);
+        }
+      });
+    }
+    EXPECT_EQ(compared, 3 * some.vertex_count());
+  }
+  set_thread_count(0);
+}
+
+TEST(VertexProducts, AllocatesNothingOnceWarm) {
+  if (!test::kCountsAllocations) GTEST_SKIP() << "ThreadSanitizer has an operator new of its own";
+  const test::RandomVertices vertices({300, 300, 3, 4});
+  VertexProducts products(vertices.view());
+  const auto light = test::RandomVertices::light(8);
+  const Selected chosen = some_vertices(300);
+  VertexSelection selection;
+  selection.select_vertices(chosen);
+  std::vector<float> sums(selection.panel_count() * kSums);
+  std::vector<float> rows(300 * kLightChannels * products.row_stride());
+  run_alone([&] {
+    std::size_t before = 0;
+    for (int round = 0; round < 2; ++round) {
+      before = test::allocation_count();
+      products.set_light(light);
+      selection.select_vertices(chosen);
+      products.irradiance(selection, sums);
+      products.incident_by_vertex(selection, rows);
+      products.highlights(selection, vertices.gloss(), sums);
+    }
+    EXPECT_EQ(test::allocation_count(), before);
+  });
+  EXPECT_NE(sums[0], 0);
+}
+
+TEST(VertexProducts, RefusesWhatDoesNotFit) {
+  const test::RandomVertices vertices({100, 64, 3, 4});
+  VertexTransportView view = vertices.view();
+  VertexProducts products(view);
+  VertexSelection selection;
+  selection.select_vertices(Selected{70});
+  std::vector<float> sums(kSums);
+  EXPECT_THROW(products.highlights(selection, vertices.gloss(), sums), CheckFailure);
+  selection.select_vertices(Selected{3});
+  EXPECT_THROW(products.highlights(selection, {vertices.mirrored, {}, {}}, sums), CheckFailure);
+  EXPECT_THROW(products.highlights(selection, {{}, vertices.lobes, {}}, sums), CheckFailure);
+  EXPECT_THROW(products.irradiance(selection, std::span(sums).first(64)), CheckFailure);
+  view.irradiance_channels = 2;
+  EXPECT_THROW(VertexProducts{view}, CheckFailure);
+  view.irradiance_channels = 3;
+  EXPECT_THROW(VertexProducts{view}, CheckFailure);
+}
+
+}  // namespace
+}  // namespace rimlight
