@@ -172,8 +172,10 @@ HWY_INLINE void sum_lanes(const BatchSum& sum, size_t lane, float* HWY_RESTRICT 
       const Half* const from = sum.transport + i * kPanelLanes + lane + v * width;
       auto value = load_half(from);
       for (size_t c = 0; c < kLightChannels; ++c) {
-        if (sum.channels > 1 && c > 0) value = load_half(from + c * sum.count * kPanelLanes);
-        total[c][v] = hn::MulAdd(hn::Set(floats, sum.light[c * sum.count + i]), value, total[c][v]);
+        if (sum.channels > 1 && c > 0)
+          value = load_half(from + c * sum.transport_stride * kPanelLanes);
+        total[c][v] =
+            hn::MulAdd(hn::Set(floats, sum.light[c * sum.light_stride + i]), value, total[c][v]);
       }
     }
   }
@@ -189,6 +191,24 @@ void sum_batches(const BatchSum& sum, float* sums) {
   constexpr size_t kVectors = hn::MaxLanes(Floats()) == 16 ? 4 : 2;
   const size_t step = HWY_MIN(kVectors * width, kPanelLanes);
   for (size_t lane = 0; lane < kPanelLanes; lane += step) sum_lanes<kVectors>(sum, lane, sums);
+}
+
+void to_halves(const float* values, std::size_t count, Half* to) {
+  const Floats floats;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(floats)) {
+    hn::StoreU(hn::DemoteTo(Halves(), hn::LoadU(floats, values + i)), Halves(),
+               reinterpret_cast<hwy::float16_t*>(to + i));
+  }
+}
+
+float add_squares(const float* values, std::size_t count) {
+  const Floats floats;
+  auto sum = hn::Zero(floats);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(floats)) {
+    const auto value = hn::LoadU(floats, values + i);
+    sum = hn::MulAdd(value, value, sum);
+  }
+  return hn::GetLane(hn::SumOfLanes(floats, sum));
 }
 
 /// By squares that stay in one cache line a row: scalar stores, but each line is read once.
@@ -219,6 +239,8 @@ HWY_EXPORT(load_pieces);
 HWY_EXPORT(move_pieces);
 HWY_EXPORT(add_form);
 HWY_EXPORT(sum_batches);
+HWY_EXPORT(to_halves);
+HWY_EXPORT(add_squares);
 HWY_EXPORT(transpose);
 HWY_EXPORT(target_name);
 
@@ -237,6 +259,14 @@ void add_bilinear_form(const ChannelMatrices& matrices, const BilinearForm& form
 
 void sum_batch(const BatchSum& sum, float* sums) noexcept {
   HWY_DYNAMIC_DISPATCH(sum_batches)(sum, sums);
+}
+
+void store_halves(std::span<const float> values, Half* to) noexcept {
+  HWY_DYNAMIC_DISPATCH(to_halves)(values.data(), values.size(), to);
+}
+
+float sum_of_squares(std::span<const float> values) noexcept {
+  return HWY_DYNAMIC_DISPATCH(add_squares)(values.data(), values.size());
 }
 
 void transpose_panel(const float* panel, std::size_t coefficients, float* rows,
