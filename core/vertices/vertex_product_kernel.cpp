@@ -45,21 +45,32 @@ HWY_INLINE hn::Mask<Floats> mask_of(std::uint64_t bits) {
   return hn::LoadMaskBits(Floats(), bytes);
 }
 
-void load_pieces(const LanePiece& piece, std::size_t coefficients, float* panel) {
+/// The first `count` values to lanes from `lane` on of a panel's row: as a whole vector, whose rest
+/// is written again or padding, unless it would leave the row.
+HWY_INLINE void store_kept(hn::Vec<Floats> values, std::size_t count, float* row,
+                           std::size_t lane) {
   const Floats floats;
+  if (lane + hn::Lanes(floats) <= kPanelLanes) {
+    hn::StoreU(values, floats, row + lane);
+    return;
+  }
+  alignas(64) float part[kPanelLanes];
+  hn::Store(values, floats, part);
+  for (std::size_t k = 0; k < count; ++k) row[lane + k] = part[k];
+}
+
+void load_pieces(const LanePiece& piece, std::size_t coefficients, float* panel) {
   VectorMove moves[kPanelLanes];
   const std::size_t count = split(piece.lanes, moves);
-  alignas(64) float row[2 * kPanelLanes];
   for (std::size_t i = 0; i < coefficients; ++i) {
     const Half* const from = piece.transport + i * kPanelLanes;
-    std::size_t kept = 0;
+    std::size_t to = piece.to;
     for (std::size_t v = 0; v < count; ++v) {
       const auto values = load_half(from + moves[v].from);
-      hn::StoreU(hn::Compress(values, mask_of(moves[v].bits)), floats, row + kept);
-      kept += moves[v].count;
+      store_kept(hn::Compress(values, mask_of(moves[v].bits)), moves[v].count,
+                 panel + i * kPanelLanes, to);
+      to += moves[v].count;
     }
-    float* const to = panel + i * kPanelLanes + piece.to;
-    for (std::size_t lane = 0; lane < kept; ++lane) to[lane] = row[lane];
   }
 }
 

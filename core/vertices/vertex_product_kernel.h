@@ -29,7 +29,8 @@ struct LanePiece {
   std::uint64_t lanes;    // a bit for each lane of the batch
   std::size_t to;
 };
-/// Writes `coefficients` rows, from the transport's first, to those of the panel.
+/// Writes `coefficients` rows, from the transport's first, to those of the panel; the lanes after
+/// the last one may be overwritten too, so that pieces go from left to right.
 void load_lanes(const LanePiece& piece, std::size_t coefficients, float* panel) noexcept;
 
 /// Some lanes of a panel, to the lanes from `to` on of another (or of the same, when the kept lanes
