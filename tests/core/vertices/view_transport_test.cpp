@@ -210,7 +210,7 @@ TEST_F(ViewTransportTest, FlickersLessThanAFourthOfFiltering) {
     EXPECT_GT(filtering.filtered_highlights(), 0.02);
     EXPECT_LT(filtering.filtered_highlights(), 0.98);
     compare(filtered_error, highlights, filtering_flicker, filtering_square);
-    view.calculate(turned, {0, 0.01f}, beside, highlights);
+    view.calculate(turned, {0, 0.03f}, beside, highlights);
     EXPECT_GT(view.highlights().left_out(), 0);
     compare(view_error, highlights, view_flicker, view_square);
   }
