@@ -1,13 +1,17 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "cli/command.h"
 #include "cli/number_range.h"
 #include "cli/progress_bar.h"
 #include "core/bake/image_bake.h"
+#include "core/bake/vertex_sh_bake.h"
+#include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/scene/scene_source.h"
 
@@ -21,10 +25,23 @@ struct BakeOptions {
   int height = 0;
   int cube_size = 0;
   double psnr_db = 0;
+  std::string kind;
+  std::optional<int> degree;
+  std::optional<double> error;
+  std::string transfer;
+  int most_rays = 0;
+  bool keep_bands = false;
   std::size_t reference_receivers = 0;
   int threads = 0;
   bool json = false;
 };
+
+const std::map<std::string, BakeKind> kKinds = {{"image_haar", BakeKind::image_haar},
+                                                {"vertex_sh", BakeKind::vertex_sh}};
+const std::map<std::string, VertexTransfer> kTransfers = {
+    {"unshadowed", VertexTransfer::unshadowed},
+    {"shadowed", VertexTransfer::shadowed},
+    {"interreflected", VertexTransfer::interreflected}};
 
 /// The scene's file name with .bake for its ending, in the current folder.
 std::filesystem::path output_folder(const BakeOptions& options) {
@@ -32,43 +49,148 @@ std::filesystem::path output_folder(const BakeOptions& options) {
   return std::filesystem::path(options.scene).stem().string() + ".bake";
 }
 
+/// The scene's settings, with the command's in their place.
+void override_settings(const BakeOptions& options, BakeSettings& bake) {
+  if (!options.kind.empty()) bake.kind = kKinds.at(options.kind);
+  if (options.width > 0) bake.width = options.width;
+  if (options.height > 0) bake.height = options.height;
+  if (options.cube_size > 0) bake.cube_size = options.cube_size;
+  if (options.psnr_db > 0) bake.psnr_db = options.psnr_db;
+  bake.reference_receivers = options.reference_receivers;
+  if (options.degree) bake.vertex.degree = *options.degree;
+  if (options.error) bake.vertex.error = *options.error;
+  if (!options.transfer.empty()) bake.vertex.transfer = kTransfers.at(options.transfer);
+  if (options.most_rays > 0) bake.vertex.most_rays = options.most_rays;
+  if (options.keep_bands) bake.vertex.keep_bands = true;
+}
+
+/// Options that the bake's kind does not have are a mistake, not to be passed over.
+void check_options(const BakeOptions& options, BakeKind kind) {
+  const bool of_images =
+      options.cube_size > 0 || options.psnr_db > 0 || options.reference_receivers > 0;
+  const bool of_vertices = options.degree || options.error || !options.transfer.empty() ||
+                           options.most_rays > 0 || options.keep_bands;
+  if (kind == BakeKind::vertex_sh && of_images) {
+    throw Error("options", "--cube-size, --psnr or --reference for kind vertex_sh",
+                "those of vertices, or --kind image_haar");
+  }
+  if (kind == BakeKind::image_haar && of_vertices) {
+    throw Error("options",
+                "--degree, --error, --transfer, --most-rays or --keep-bands for kind image_haar",
+                "those of images, or --kind vertex_sh");
+  }
+}
+
+void print_result(const BakeSummary& summary, const Scene& scene, const std::string& folder,
+                  bool json) {
+  if (json) {
+    const nlohmann::json result = {{"bake", folder},
+                                   {"seconds", summary.seconds},
+                                   {"resumed_tiles", summary.resumed_tiles},
+                                   {"transport_bytes", summary.bytes},
+                                   {"worst_psnr_db", summary.worst_psnr_db},
+                                   {"worst_light", summary.worst_light},
+                                   {"dropped_triangles", scene.dropped_triangles}};
+    std::printf("%s\n", result.dump().c_str());
+    return;
+  }
+  std::fprintf(stderr,
+               "%s: %.0f s, %.1f MiB of transport, %.1f dB under its worst check light (%s)\n",
+               folder.c_str(), summary.seconds, static_cast<double>(summary.bytes) / (1 << 20),
+               summary.worst_psnr_db, summary.worst_light.c_str());
+}
+
+void print_result(const VertexBakeSummary& summary, const std::string& folder, bool json) {
+  if (json) {
+    const nlohmann::json result = {{"bake", folder},
+                                   {"seconds", summary.seconds},
+                                   {"transport_bytes", summary.bytes},
+                                   {"vertices", summary.vertices},
+                                   {"triangles", summary.triangles},
+                                   {"highlight_vertices", summary.highlight_vertices},
+                                   {"irradiance_degree", summary.irradiance_degree},
+                                   {"irradiance_channels", summary.irradiance_channels},
+                                   {"visibility_degree", summary.visibility_degree},
+                                   {"rays", summary.rays},
+                                   {"worst_error", summary.worst_error},
+                                   {"capped_vertices", summary.capped_vertices},
+                                   {"computed_normals", summary.computed_normals},
+                                   {"unused_vertices", summary.unused_vertices},
+                                   {"dropped_triangles", summary.dropped_triangles}};
+    std::printf("%s\n", result.dump().c_str());
+    return;
+  }
+  if (summary.computed_normals > 0) {
+    std::fprintf(stderr, "rimlight bake: %zu vertices had no normal: computed\n",
+                 summary.computed_normals);
+  }
+  if (summary.unused_vertices > 0) {
+    std::fprintf(stderr, "rimlight bake: dropped %zu vertices that no triangle has\n",
+                 summary.unused_vertices);
+  }
+  if (summary.capped_vertices > 0) {
+    std::fprintf(stderr, "rimlight bake: %zu vertices took the most rays allowed, error to %.3g\n",
+                 summary.capped_vertices, summary.worst_error);
+  }
+  std::fprintf(stderr,
+               "%s: %.0f s, %zu vertices, degree %d in %zu channel(s), %.1f MiB of transport, "
+               "%.1f million rays\n",
+               folder.c_str(), summary.seconds, summary.vertices, summary.irradiance_degree,
+               summary.irradiance_channels, static_cast<double>(summary.bytes) / (1 << 20),
+               static_cast<double>(summary.rays) * 1e-6);
+}
+
 int run(const BakeOptions& options) {
   if (options.threads > 0) set_thread_count(options.threads);
   Scene read = read_scene(options.scene);
-  if (options.width > 0) read.bake.width = options.width;
-  if (options.height > 0) read.bake.height = options.height;
-  if (options.cube_size > 0) read.bake.cube_size = options.cube_size;
-  if (options.psnr_db > 0) read.bake.psnr_db = options.psnr_db;
-  read.bake.reference_receivers = options.reference_receivers;
+  override_settings(options, read.bake);
+  check_options(options, read.bake.kind);
   if (read.dropped_triangles > 0) {
     std::fprintf(stderr, "rimlight bake: %s: dropped %zu degenerate triangles\n",
                  options.scene.c_str(), read.dropped_triangles);
   }
   const auto scene = std::make_shared<const Scene>(std::move(read));
   const auto folder = output_folder(options);
-  BakeSummary summary;
-  {
+  const auto with_bar = [&scene](const auto& bake) {
     ProgressBar bar("baking " + scene->name);
-    summary = bake_image(scene, folder, [&bar](const BakeProgress& progress) {
+    return bake([&bar](const BakeProgress& progress) {
       bar.show(progress.stage, progress.fraction, !progress.resumed);
     });
-  }
-  if (options.json) {
-    const nlohmann::json result = {{"bake", folder.string()},
-                                   {"seconds", summary.seconds},
-                                   {"resumed_tiles", summary.resumed_tiles},
-                                   {"transport_bytes", summary.bytes},
-                                   {"worst_psnr_db", summary.worst_psnr_db},
-                                   {"worst_light", summary.worst_light},
-                                   {"dropped_triangles", scene->dropped_triangles}};
-    std::printf("%s\n", result.dump().c_str());
+  };
+  if (scene->bake.kind == BakeKind::vertex_sh) {
+    print_result(with_bar([&](const auto& show) { return bake_vertices(scene, folder, show); }),
+                 folder.string(), options.json);
   } else {
-    std::fprintf(stderr,
-                 "%s: %.0f s, %.1f MiB of transport, %.1f dB under its worst check light (%s)\n",
-                 folder.c_str(), summary.seconds, static_cast<double>(summary.bytes) / (1 << 20),
-                 summary.worst_psnr_db, summary.worst_light.c_str());
+    print_result(with_bar([&](const auto& show) { return bake_image(scene, folder, show); }),
+                 *scene, folder.string(), options.json);
   }
   return 0;
+}
+
+void add_vertex_options(CLI::App& command, BakeOptions& options) {
+  command
+      .add_option("--kind", options.kind,
+                  "image_haar (pixels of one view) or vertex_sh (vertices in spherical harmonics, "
+                  "for any view), instead of the scene's")
+      ->check(CLI::IsMember({"image_haar", "vertex_sh"}));
+  command
+      .add_option("--degree", options.degree,
+                  "vertex_sh: of the spherical harmonics, instead of the scene's")
+      ->check(CLI::Range(0, VertexBakeSettings::kLargestDegree));
+  command
+      .add_option("--error", options.error,
+                  "vertex_sh: standard error of a vertex' coefficients, instead of the scene's")
+      ->check(number_range(1e-4, 1));
+  command
+      .add_option("--transfer", options.transfer,
+                  "vertex_sh: what transport holds, instead of the scene's")
+      ->check(CLI::IsMember({"unshadowed", "shadowed", "interreflected"}));
+  command
+      .add_option("--most-rays", options.most_rays,
+                  "vertex_sh: rays from a vertex at most, instead of the scene's")
+      ->check(CLI::Range(64, 1 << 20));
+  command.add_flag("--keep-bands", options.keep_bands,
+                   "vertex_sh: store bands that the error does not need, too");
 }
 
 }  // namespace
@@ -98,10 +220,14 @@ void add_bake_command(CLI::App& app, Action& chosen) {
                  "Keep the uncompressed rows of a sample of receivers (8,192, or --reference=N), "
                  "for `rimlight report`: 19 MB for each 64 of them at cube size 64")
       ->check(CLI::Range(1, 1 << 26));
+  add_vertex_options(*command, *options);
   command->add_option("--threads", options->threads, "Threads to use (default: all cores)")
       ->check(CLI::Range(1, 1024));
   command->add_flag("--json", options->json, "Print the result as one JSON object");
-  command->footer("An interrupted bake resumes where it stopped when it is started again.");
+  command->footer(
+      "An interrupted bake resumes where it stopped when it is started again; one of kind "
+      "vertex_sh "
+      "starts over.");
   command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }
 

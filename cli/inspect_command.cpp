@@ -8,9 +8,12 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/inspect_parts.h"
+#include "cli/inspect_vertices.h"
 #include "core/basis/cube_haar.h"
 #include "core/transport/bake_folder.h"
 #include "core/transport/column_kernel.h"
+#include "core/transport/vertex_bake.h"
 
 namespace rimlight {
 namespace {
@@ -33,26 +36,6 @@ std::size_t count_empty_columns(const Bake& bake, const CubeHaar& haar, int band
   const auto last =
       bake.column_bytes().begin() + static_cast<std::ptrdiff_t>(haar.band_begin(band + 1));
   return static_cast<std::size_t>(std::count(first, last, 0u));
-}
-
-/// A name as JSON escapes it, without the quotes: nothing in it moves the cursor.
-std::string printable(const std::string& name) {
-  const std::string quoted = json(name).dump();
-  return quoted.substr(1, quoted.size() - 2);
-}
-
-/// A JSON object's members, a line each; whatever they are.
-void print_members(const char* title, const json& object) {
-  std::printf("\n  %s:\n", title);
-  for (const auto& [name, value] : object.items()) {
-    if (!value.is_object()) {
-      std::printf("    %-28s %s\n", printable(name).c_str(), value.dump().c_str());
-      continue;
-    }
-    for (const auto& [of, part] : value.items()) {
-      std::printf("    %-28s %s\n", printable(name + ", " + of).c_str(), part.dump().c_str());
-    }
-  }
 }
 
 /// What a band of the bake holds.
@@ -109,22 +92,10 @@ json describe(const Bake& bake) {
   for (int band = 0; band < haar.band_count(); ++band) {
     result["bands"].push_back(describe_band(bake, haar, band));
   }
-  std::uint64_t bytes = 0;
-  for (const auto& [name, size] : bake.files()) {
-    result["files"].push_back({{"file", name}, {"bytes", size}});
-    bytes += size;
-  }
-  result["bytes"] = bytes;
-  for (const BakedEnvironment& one : bake.environments()) {
-    result["environments"].push_back({{"name", one.environment->name()},
-                                      {"width", one.environment->image().width},
-                                      {"height", one.environment->image().height},
-                                      {"exposure_scale", one.exposure_scale}});
-  }
+  describe_files(bake.files(), result);
+  describe_environments(bake.environments(), result);
   return result;
 }
-
-double mebibytes(const json& bytes) { return bytes.get<double>() / (1 << 20); }
 
 void print(const json& bake, bool verified) {
   std::printf("%s: %s, %d × %d pixels, 6 × %d × %d directions, %.1f MiB%s\n",
@@ -148,33 +119,29 @@ void print(const json& bake, bool verified) {
                 100 - 100 * static_cast<double>(luma) / static_cast<double>(blocks),
                 mebibytes(band["bytes"]));
   }
-  std::printf("\n  file                        MiB\n");
-  for (const json& file : bake["files"]) {
-    std::printf("  %-24s %8.1f\n", file["file"].get<std::string>().c_str(),
-                mebibytes(file["bytes"]));
-  }
-  std::printf("\n  environments:");
-  for (const json& one : bake["environments"]) {
-    std::printf(" %s (%d × %d)", one["name"].get<std::string>().c_str(), one["width"].get<int>(),
-                one["height"].get<int>());
-  }
-  std::printf("\n");
-  print_members("left out, and what that costs", bake["left_out"]);
-  print_members("measured", bake["measured"]);
-  print_members("settings", bake["settings"]);
+  print_common(bake);
 }
 
-int run(const InspectOptions& options) {
-  const Bake bake(options.folder);
+/// `bake` is a bake of any kind, described and printed by its own functions.
+template <typename OpenBake, typename Describe, typename Print>
+int inspect(const OpenBake& bake, const InspectOptions& options, const Describe& describe_bake,
+            const Print& print_bake) {
   if (options.verify) bake.verify();
-  json result = describe(bake);
+  json result = describe_bake(bake);
   if (options.verify) result["verified"] = true;
   if (options.json) {
     std::printf("%s\n", result.dump().c_str());
   } else {
-    print(result, options.verify);
+    print_bake(result, options.verify);
   }
   return 0;
+}
+
+int run(const InspectOptions& options) {
+  if (bake_kind(options.folder) == kVertexKind) {
+    return inspect(VertexBake(options.folder), options, describe_vertex_bake, print_vertex_bake);
+  }
+  return inspect(Bake(options.folder), options, describe, print);
 }
 
 }  // namespace

@@ -26,14 +26,14 @@ void read_optional(const JsonReader& json, std::string_view name, double low, do
 }
 
 Brdf read_lambert(const JsonReader& json) {
-  json.allow_only({"model", "albedo", "texture"});
+  json.allow_only({"model", "albedo", "texture", "subsurface"});
   Brdf brdf;
   read_optional(json, "albedo", 0, 1, brdf.albedo);
   return brdf;
 }
 
 Brdf read_phong(const JsonReader& json) {
-  json.allow_only({"model", "albedo", "texture", "specular", "exponent"});
+  json.allow_only({"model", "albedo", "texture", "specular", "exponent", "subsurface"});
   Brdf brdf{.model = BrdfModel::phong, .specular = {0.05f, 0.05f, 0.05f}};
   read_optional(json, "albedo", 0, 1, brdf.albedo);
   read_optional(json, "specular", 0, 1, brdf.specular);
@@ -65,6 +65,15 @@ Brdf read_cook_torrance(const JsonReader& json) {
   return brdf;
 }
 
+/// Mean free paths from a thousandth to a million units of the scene.
+Subsurface read_subsurface(const JsonReader& json) {
+  json.allow_only({"absorption", "scattering", "eta"});
+  Subsurface result{.absorption = read_channels(json.member("absorption"), 0, 1e3),
+                    .scattering = read_channels(json.member("scattering"), 1e-6, 1e6)};
+  read_optional(json, "eta", 1, 3, result.eta);
+  return result;
+}
+
 }  // namespace
 
 Vec3d read_point(const JsonReader& json) {
@@ -91,6 +100,9 @@ Material read_material(const JsonReader& json, const std::string& name,
       break;
     default:
       material.brdf = read_cook_torrance(json);
+  }
+  if (const auto subsurface = json.optional_member("subsurface")) {
+    material.subsurface = read_subsurface(*subsurface);
   }
   if (const auto texture = json.optional_member("texture")) {
     try {

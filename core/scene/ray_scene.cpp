@@ -99,6 +99,17 @@ void trace_packets(RTCScene tree, const SkyRays& rays, std::span<std::uint8_t> v
   }
 }
 
+RTCRayHit first_hit(RTCScene tree, const Ray& ray) {
+  RTCRayHit query{};
+  query.ray = blank_ray();
+  set_ray(ray, kInfinity, query.ray);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(tree, &context, &query);
+  return query;
+}
+
 float largest_component(const Vec3f& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
@@ -186,14 +197,14 @@ const Scene& RayScene::scene() const { return *state_->source; }
 
 float RayScene::extent() const { return state_->extent; }
 
+std::optional<TriangleHit> RayScene::find_triangle(const Ray& ray) const {
+  const RTCRayHit query = first_hit(state_->tree.get(), ray);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  return TriangleHit{query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v};
+}
+
 std::optional<SurfaceHit> RayScene::intersect(const Ray& ray) const {
-  RTCRayHit query{};
-  query.ray = blank_ray();
-  set_ray(ray, kInfinity, query.ray);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(state_->tree.get(), &context, &query);
+  const RTCRayHit query = first_hit(state_->tree.get(), ray);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
   const Mesh& mesh = state_->source->meshes[query.hit.geomID];

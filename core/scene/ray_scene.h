@@ -27,6 +27,13 @@ struct SurfaceHit {
   float offset = 0;  // move rays' origins this far along geometric_normal to leave the surface
 };
 
+/// Where a ray meets a triangle: weights 1 − u − v, u and v of its corners, in their order.
+struct TriangleHit {
+  std::uint32_t mesh = 0;
+  std::uint32_t triangle = 0;
+  float u = 0, v = 0;
+};
+
 /// Whether rays that follow each other in a stream meet mostly the same parts of the scene.
 enum class Coherence { low, high };
 
@@ -43,6 +50,9 @@ class RayScene {
   float extent() const;
 
   std::optional<SurfaceHit> intersect(const Ray& ray) const;
+
+  /// Which triangle a ray meets first, without shading.
+  std::optional<TriangleHit> find_triangle(const Ray& ray) const;
 
   /// For each ray whether nothing is hit before its end: visible[i] = 1 or 0. Ray i's end is
   /// far[i], or infinity (the sky) when `far` is empty; sizes must agree. Rays go to Embree as

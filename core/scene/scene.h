@@ -31,14 +31,48 @@ struct Mesh {
   std::uint32_t material = 0;
 };
 
+/// Light that enters a surface and leaves it elsewhere: a homogeneous medium, per unit of length of
+/// the scene. Only bakes of kind vertex_sh look at it.
+struct Subsurface {
+  Vec3f absorption;  // σ_a
+  Vec3f scattering;  // σ_s′, reduced
+  float eta = 1.3f;  // relative index of refraction
+};
+
 struct Material {
   std::string name;
   Brdf brdf;
   std::shared_ptr<const RgbImage> albedo_texture;  // multiplies brdf.albedo; repeats; bilinear
+  std::optional<Subsurface> subsurface = std::nullopt;
+};
+
+/// What a bake's receivers and its basis are: pixels and Haar functions on a cube map, or vertices
+/// and spherical harmonics.
+enum class BakeKind { image_haar, vertex_sh };
+
+/// What a vertex' transport holds.
+enum class VertexTransfer {
+  unshadowed,      // the cosine above its tangent plane
+  shadowed,        // and what stands in the way
+  interreflected,  // and light by way of other surfaces
+};
+
+/// What to bake for kind vertex_sh, beside the picture's sides and the seed.
+struct VertexBakeSettings {
+  static constexpr int kLargestDegree = 20;
+
+  int degree = 10;
+  /// Standard error of a vertex' coefficients, root mean square over them, that is asked for.
+  double error = 0.01;
+  VertexTransfer transfer = VertexTransfer::interreflected;
+  int most_rays = 4096;     // per vertex, for its visibility; as many for its indirect light
+  bool keep_bands = false;  // those, too, that the error does not need
 };
 
 /// What to bake, with DESIGN's defaults.
 struct BakeSettings {
+  BakeKind kind = BakeKind::image_haar;
+  VertexBakeSettings vertex;
   int width = 512;
   int height = 512;
   int cube_size = 32;     // N: a power of two, 4 … 128

@@ -91,22 +91,49 @@ std::uint64_t read_seed(const JsonReader& json) {
   return static_cast<std::uint64_t>(json.integer(0, std::int64_t{1} << 53));
 }
 
-BakeSettings read_bake(const JsonReader& json) {
-  json.allow_only({"width", "height", "cube_size", "primary_rays", "bounces", "psnr_db", "seed"});
-  BakeSettings bake;
-  const auto read = [&json](std::string_view name, int low, int high, int& value) {
-    const auto field = json.optional_member(name);
-    if (field) value = static_cast<int>(field->integer(low, high));
-  };
-  read("width", 1, 8192, bake.width);
-  read("height", 1, 8192, bake.height);
-  read("cube_size", 4, 128, bake.cube_size);
-  read("primary_rays", 1, 256, bake.primary_rays);
-  read("bounces", 0, 64, bake.bounces);
+/// Sets `value` from an optional field.
+void read_integer(const JsonReader& json, std::string_view name, int low, int high, int& value) {
+  const auto field = json.optional_member(name);
+  if (field) value = static_cast<int>(field->integer(low, high));
+}
+
+void read_image_bake(const JsonReader& json, BakeSettings& bake) {
+  json.allow_only(
+      {"kind", "width", "height", "cube_size", "primary_rays", "bounces", "psnr_db", "seed"});
+  read_integer(json, "cube_size", 4, 128, bake.cube_size);
+  read_integer(json, "primary_rays", 1, 256, bake.primary_rays);
+  read_integer(json, "bounces", 0, 64, bake.bounces);
   if ((bake.cube_size & (bake.cube_size - 1)) != 0) {
     json.member("cube_size").fail("4, 8, 16, 32, 64 or 128");
   }
   if (const auto psnr = json.optional_member("psnr_db")) bake.psnr_db = psnr->number(20, 90);
+}
+
+void read_vertex_bake(const JsonReader& json, VertexBakeSettings& vertex) {
+  json.allow_only({"kind", "width", "height", "degree", "error", "transfer", "most_rays",
+                   "keep_bands", "seed"});
+  constexpr VertexTransfer kTransfers[] = {VertexTransfer::unshadowed, VertexTransfer::shadowed,
+                                           VertexTransfer::interreflected};
+  read_integer(json, "degree", 0, VertexBakeSettings::kLargestDegree, vertex.degree);
+  read_integer(json, "most_rays", 64, 1 << 20, vertex.most_rays);
+  if (const auto error = json.optional_member("error")) vertex.error = error->number(1e-4, 1);
+  if (const auto transfer = json.optional_member("transfer")) {
+    vertex.transfer = kTransfers[transfer->one_of({"unshadowed", "shadowed", "interreflected"})];
+  }
+  if (const auto keep = json.optional_member("keep_bands")) vertex.keep_bands = keep->boolean();
+}
+
+BakeSettings read_bake(const JsonReader& json) {
+  BakeSettings bake;
+  const auto kind = json.optional_member("kind");
+  if (kind && kind->one_of({"image_haar", "vertex_sh"}) == 1) bake.kind = BakeKind::vertex_sh;
+  if (bake.kind == BakeKind::vertex_sh) {
+    read_vertex_bake(json, bake.vertex);
+  } else {
+    read_image_bake(json, bake);
+  }
+  read_integer(json, "width", 1, 8192, bake.width);
+  read_integer(json, "height", 1, 8192, bake.height);
   if (const auto seed = json.optional_member("seed")) bake.seed = read_seed(*seed);
   return bake;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/light/environment.h"
 #include "core/math/camera.h"
+#include "core/transport/bake_files.h"
 #include "core/transport/receivers.h"
 #include "core/transport/sketch.h"
 #include "core/transport/tensor_file.h"
@@ -21,26 +22,15 @@
 
 namespace rimlight {
 
-inline constexpr int kBakeVersion = 3;
-
-/// Files of a bake; docs/formats/bake.md has the tensors of each.
-inline constexpr const char* kManifestFile = "manifest.json";
-inline constexpr const char* kManifestHashFile = "manifest.json.xxh64";
-inline constexpr const char* kTransportFile = "transport.safetensors";
+/// Files of an image bake; docs/formats/bake.md has the tensors of each.
 inline constexpr const char* kPixelsFile = "pixels.safetensors";
 inline constexpr const char* kSketchFile = "sketch.safetensors";
 
-/// An environment as a bake keeps it: its image, as it was read or made, and the exposure that
-/// shows the bake well in it.
-struct BakedEnvironment {
-  std::shared_ptr<const Environment> environment;
-  double exposure_scale = 1;  // stops = 0 multiplies radiance by this
-};
-
-/// What a bake holds besides its tensors: manifest.json, written and read through here alone.
+/// What an image bake holds besides its tensors: manifest.json, written and read through here
+/// alone.
 struct BakeManifest {
   int version = kBakeVersion;
-  std::string kind = "image_haar";
+  std::string kind = kImageKind;
   std::string scene;  // the scene's name
   PixelLayout pixels;
   int cube_size = 0;  // N
@@ -87,6 +77,9 @@ class BakeWriter {
   /// Writes the manifest and its hash, removes what does not belong to the bake (parts), flushes,
   /// and renames the folder; an older bake of that name is replaced as a whole.
   void commit(const BakeManifest& manifest);
+  /// The same for a bake of another kind, by the fields of its manifest but "version",
+  /// "environments" and "files"; add_file() was called for `needed` files.
+  void commit(nlohmann::json manifest, std::initializer_list<const char*> needed);
 
  private:
   class Lock;
@@ -98,8 +91,8 @@ class BakeWriter {
   nlohmann::json environments_ = nlohmann::json::array();
 };
 
-/// An opened bake: manifest checked (version, hash, every field), all tensors mapped, hashed and
-/// checked. Throws Error naming file and field. Immutable; any thread.
+/// An opened image bake: manifest checked (version, hash, every field), all tensors mapped, hashed
+/// and checked. Throws Error naming file and field. Immutable; any thread.
 class Bake {
  public:
   explicit Bake(const std::filesystem::path& folder);
@@ -107,7 +100,7 @@ class Bake {
   Bake(const Bake&) = delete;
   Bake& operator=(const Bake&) = delete;
 
-  const std::filesystem::path& folder() const { return folder_; }
+  const std::filesystem::path& folder() const { return files_.folder(); }
   const BakeManifest& manifest() const { return manifest_; }
   const TransportView& transport() const { return transport_; }
   /// Share of a pixel that geometry covers, in [0, 1]: [height][width].
@@ -121,20 +114,15 @@ class Bake {
   const std::vector<PartSize>& part_sizes() const { return part_sizes_; }
   const std::vector<BakedEnvironment>& environments() const { return environments_; }
   /// Names and bytes of the files on disk, for inspect.
-  std::vector<std::pair<std::string, std::uint64_t>> files() const { return file_sizes_; }
+  std::vector<std::pair<std::string, std::uint64_t>> files() const { return files_.sizes(); }
   /// A file beside those that every bake has; null when this one is without.
-  const TensorFile* find_file(const std::string& name) const;
+  const TensorFile* find_file(const std::string& name) const { return files_.find_file(name); }
   /// Hashes every block of every file afresh; throws Error at the first that is wrong.
-  void verify() const;
+  void verify() const { files_.verify(); }
 
  private:
-  const TensorFile& file(const std::string& name) const;
-  void read_environment(const JsonReader& json);
-
-  std::filesystem::path folder_;
+  BakeFiles files_;
   BakeManifest manifest_;
-  std::map<std::string, TensorFile> files_;
-  std::vector<std::pair<std::string, std::uint64_t>> file_sizes_;
   TransportView transport_;
   std::vector<float> coverage_;
   std::vector<std::uint32_t> column_bytes_;

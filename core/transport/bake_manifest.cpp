@@ -26,7 +26,21 @@ Vec3d read_point(const JsonReader& reader) {
   return {v[0], v[1], v[2]};
 }
 
-Camera read_camera(const JsonReader& reader) {
+}  // namespace
+
+void expect_kind(const JsonReader& reader, const std::string& expected) {
+  const JsonReader kind = reader.member("kind");
+  if (kind.string() != expected) kind.fail(quote(expected) + ": a bake of this kind");
+}
+
+nlohmann::json camera_to_json(const Camera& camera) {
+  return {{"position", to_json(camera.position)},
+          {"target", to_json(camera.target)},
+          {"up", to_json(camera.up)},
+          {"vertical_field_of_view_degrees", camera.vertical_field_of_view_degrees}};
+}
+
+Camera read_manifest_camera(const JsonReader& reader) {
   reader.allow_only({"position", "target", "up", "vertical_field_of_view_degrees"});
   Camera camera;
   camera.position = read_point(reader.member("position"));
@@ -40,19 +54,21 @@ Camera read_camera(const JsonReader& reader) {
   return camera;
 }
 
-int read_side(const JsonReader& reader) {
+int read_image_side(const JsonReader& reader) {
   return static_cast<int>(reader.integer(1, kLargestImageSide));
-}
-
-int read_cube_size(const JsonReader& reader) {
-  const auto size = reader.integer(2, cube::kLargestSize);
-  if ((size & (size - 1)) != 0) reader.fail("a power of two");
-  return static_cast<int>(size);
 }
 
 json read_object(const JsonReader& reader) {
   if (!reader.value().is_object()) reader.fail("an object");
   return reader.value();
+}
+
+namespace {
+
+int read_cube_size(const JsonReader& reader) {
+  const auto size = reader.integer(2, cube::kLargestSize);
+  if ((size & (size - 1)) != 0) reader.fail("a power of two");
+  return static_cast<int>(size);
 }
 
 }  // namespace
@@ -64,29 +80,25 @@ json manifest_to_json(const BakeManifest& manifest) {
           {"width", manifest.pixels.width},
           {"height", manifest.pixels.height},
           {"cube_size", manifest.cube_size},
-          {"camera",
-           {{"position", to_json(manifest.camera.position)},
-            {"target", to_json(manifest.camera.target)},
-            {"up", to_json(manifest.camera.up)},
-            {"vertical_field_of_view_degrees", manifest.camera.vertical_field_of_view_degrees}}},
+          {"camera", camera_to_json(manifest.camera)},
           {"settings", manifest.settings},
           {"measured", manifest.measured},
           {"left_out", manifest.left_out}};
 }
 
 BakeManifest read_manifest(const JsonReader& reader) {
-  // First, so that a later version is told as such and not by its unknown fields.
+  // First, so that a later version or another kind is told as such and not by its unknown fields.
   const JsonReader version = reader.member("version");
   if (version.integer(0, INT32_MAX) != kBakeVersion) version.fail(std::to_string(kBakeVersion));
+  expect_kind(reader, kImageKind);
   reader.allow_only({"version", "kind", "scene", "width", "height", "cube_size", "camera",
                      "settings", "measured", "left_out", "environments", "files"});
   BakeManifest manifest;
-  static_cast<void>(reader.member("kind").one_of({manifest.kind}));
   manifest.scene = reader.member("scene").string();
-  manifest.pixels.width = read_side(reader.member("width"));
-  manifest.pixels.height = read_side(reader.member("height"));
+  manifest.pixels.width = read_image_side(reader.member("width"));
+  manifest.pixels.height = read_image_side(reader.member("height"));
   manifest.cube_size = read_cube_size(reader.member("cube_size"));
-  manifest.camera = read_camera(reader.member("camera"));
+  manifest.camera = read_manifest_camera(reader.member("camera"));
   manifest.settings = read_object(reader.member("settings"));
   manifest.measured = read_object(reader.member("measured"));
   manifest.left_out = read_object(reader.member("left_out"));

@@ -15,6 +15,17 @@ namespace rimlight {
 nlohmann::json manifest_to_json(const BakeManifest& manifest);
 BakeManifest read_manifest(const JsonReader& json);
 
+// What manifests of all kinds share. Reading throws Error at the field.
+
+/// Throws Error unless the manifest is of this kind.
+void expect_kind(const JsonReader& manifest, const std::string& expected);
+nlohmann::json camera_to_json(const Camera& camera);
+Camera read_manifest_camera(const JsonReader& json);
+/// "width" or "height" of a picture.
+int read_image_side(const JsonReader& json);
+/// An object for people, as it is.
+nlohmann::json read_object(const JsonReader& json);
+
 /// The text of manifest.json, found to match the hash beside it; throws Error naming the file.
 std::string read_manifest_text(const std::filesystem::path& folder);
 /// What stands in the hash file: one line as xxh64sum writes it, so that `xxh64sum -c` checks it.

@@ -214,10 +214,13 @@ void BakeWriter::add_environment(const BakedEnvironment& baked) {
 }
 
 void BakeWriter::commit(const BakeManifest& manifest) {
-  RIMLIGHT_CHECK(files_.contains(kTransportFile) && files_.contains(kPixelsFile) &&
-                 files_.contains(kSketchFile));
+  commit(manifest_to_json(manifest), {kTransportFile, kPixelsFile, kSketchFile});
+}
+
+void BakeWriter::commit(nlohmann::json json, std::initializer_list<const char*> needed) {
+  for (const char* const file : needed) RIMLIGHT_CHECK(files_.contains(file));
   RIMLIGHT_CHECK(!environments_.empty());
-  nlohmann::json json = manifest_to_json(manifest);
+  json["version"] = kBakeVersion;
   json["environments"] = environments_;
   json["files"] = nlohmann::json::object();
   for (const auto& [name, summary] : files_) json["files"][name] = summary.to_json();

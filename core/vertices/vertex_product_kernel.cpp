@@ -45,21 +45,32 @@ HWY_INLINE hn::Mask<Floats> mask_of(std::uint64_t bits) {
   return hn::LoadMaskBits(Floats(), bytes);
 }
 
-void load_pieces(const LanePiece& piece, std::size_t coefficients, float* panel) {
+/// The first `count` values to lanes from `lane` on of a panel's row: as a whole vector, whose rest
+/// is written again or padding, unless it would leave the row.
+HWY_INLINE void store_kept(hn::Vec<Floats> values, std::size_t count, float* row,
+                           std::size_t lane) {
   const Floats floats;
+  if (lane + hn::Lanes(floats) <= kPanelLanes) {
+    hn::StoreU(values, floats, row + lane);
+    return;
+  }
+  alignas(64) float part[kPanelLanes];
+  hn::Store(values, floats, part);
+  for (std::size_t k = 0; k < count; ++k) row[lane + k] = part[k];
+}
+
+void load_pieces(const LanePiece& piece, std::size_t coefficients, float* panel) {
   VectorMove moves[kPanelLanes];
   const std::size_t count = split(piece.lanes, moves);
-  alignas(64) float row[2 * kPanelLanes];
   for (std::size_t i = 0; i < coefficients; ++i) {
     const Half* const from = piece.transport + i * kPanelLanes;
-    std::size_t kept = 0;
+    std::size_t to = piece.to;
     for (std::size_t v = 0; v < count; ++v) {
       const auto values = load_half(from + moves[v].from);
-      hn::StoreU(hn::Compress(values, mask_of(moves[v].bits)), floats, row + kept);
-      kept += moves[v].count;
+      store_kept(hn::Compress(values, mask_of(moves[v].bits)), moves[v].count,
+                 panel + i * kPanelLanes, to);
+      to += moves[v].count;
     }
-    float* const to = panel + i * kPanelLanes + piece.to;
-    for (std::size_t lane = 0; lane < kept; ++lane) to[lane] = row[lane];
   }
 }
 
@@ -172,8 +183,10 @@ HWY_INLINE void sum_lanes(const BatchSum& sum, size_t lane, float* HWY_RESTRICT 
       const Half* const from = sum.transport + i * kPanelLanes + lane + v * width;
       auto value = load_half(from);
       for (size_t c = 0; c < kLightChannels; ++c) {
-        if (sum.channels > 1 && c > 0) value = load_half(from + c * sum.count * kPanelLanes);
-        total[c][v] = hn::MulAdd(hn::Set(floats, sum.light[c * sum.count + i]), value, total[c][v]);
+        if (sum.channels > 1 && c > 0)
+          value = load_half(from + c * sum.transport_stride * kPanelLanes);
+        total[c][v] =
+            hn::MulAdd(hn::Set(floats, sum.light[c * sum.light_stride + i]), value, total[c][v]);
       }
     }
   }
@@ -189,6 +202,24 @@ void sum_batches(const BatchSum& sum, float* sums) {
   constexpr size_t kVectors = hn::MaxLanes(Floats()) == 16 ? 4 : 2;
   const size_t step = HWY_MIN(kVectors * width, kPanelLanes);
   for (size_t lane = 0; lane < kPanelLanes; lane += step) sum_lanes<kVectors>(sum, lane, sums);
+}
+
+void to_halves(const float* values, std::size_t count, Half* to) {
+  const Floats floats;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(floats)) {
+    hn::StoreU(hn::DemoteTo(Halves(), hn::LoadU(floats, values + i)), Halves(),
+               reinterpret_cast<hwy::float16_t*>(to + i));
+  }
+}
+
+float add_squares(const float* values, std::size_t count) {
+  const Floats floats;
+  auto sum = hn::Zero(floats);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(floats)) {
+    const auto value = hn::LoadU(floats, values + i);
+    sum = hn::MulAdd(value, value, sum);
+  }
+  return hn::GetLane(hn::SumOfLanes(floats, sum));
 }
 
 /// By squares that stay in one cache line a row: scalar stores, but each line is read once.
@@ -219,6 +250,8 @@ HWY_EXPORT(load_pieces);
 HWY_EXPORT(move_pieces);
 HWY_EXPORT(add_form);
 HWY_EXPORT(sum_batches);
+HWY_EXPORT(to_halves);
+HWY_EXPORT(add_squares);
 HWY_EXPORT(transpose);
 HWY_EXPORT(target_name);
 
@@ -237,6 +270,14 @@ void add_bilinear_form(const ChannelMatrices& matrices, const BilinearForm& form
 
 void sum_batch(const BatchSum& sum, float* sums) noexcept {
   HWY_DYNAMIC_DISPATCH(sum_batches)(sum, sums);
+}
+
+void store_halves(std::span<const float> values, Half* to) noexcept {
+  HWY_DYNAMIC_DISPATCH(to_halves)(values.data(), values.size(), to);
+}
+
+float sum_of_squares(std::span<const float> values) noexcept {
+  return HWY_DYNAMIC_DISPATCH(add_squares)(values.data(), values.size());
 }
 
 void transpose_panel(const float* panel, std::size_t coefficients, float* rows,

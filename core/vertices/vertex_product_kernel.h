@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/base/half.h"
 #include "core/transport/vertex_transport.h"
@@ -28,7 +29,8 @@ struct LanePiece {
   std::uint64_t lanes;    // a bit for each lane of the batch
   std::size_t to;
 };
-/// Writes `coefficients` rows, from the transport's first, to those of the panel.
+/// Writes `coefficients` rows, from the transport's first, to those of the panel; the lanes after
+/// the last one may be overwritten too, so that pieces go from left to right.
 void load_lanes(const LanePiece& piece, std::size_t coefficients, float* panel) noexcept;
 
 /// Some lanes of a panel, to the lanes from `to` on of another (or of the same, when the kept lanes
@@ -62,16 +64,22 @@ struct BilinearForm {
 void add_bilinear_form(const ChannelMatrices& matrices, const BilinearForm& form,
                        float* sums) noexcept;
 
-/// What of a light goes into a sum over transport: light [kLightChannels][count], transport
-/// [channels][count][kBatchVertices], channels 1 or kLightChannels.
+/// What of a light goes into a sum over transport: the first `count` coefficients of each channel.
 struct BatchSum {
-  const Half* transport;
-  std::size_t channels;
-  const float* light;
+  const Half* transport;  // [channels][transport_stride][kBatchVertices]
+  std::size_t channels;   // 1 or kLightChannels
+  std::size_t transport_stride;
+  const float* light;  // [kLightChannels][light_stride]
+  std::size_t light_stride;
   std::size_t count;
 };
 /// sums[c] = Σ_i light^c_i · transport^c_i, [kLightChannels][kBatchVertices].
 void sum_batch(const BatchSum& sum, float* sums) noexcept;
+
+/// Rounds to nearest; a multiple of 16 values.
+void store_halves(std::span<const float> values, Half* to) noexcept;
+/// A multiple of 16 values, in float.
+float sum_of_squares(std::span<const float> values) noexcept;
 
 /// rows[lane][coefficient] = panel[coefficient][lane], lanes of `lanes`; rows `stride` floats
 /// apart, whole vectors: `stride` and `coefficients` rounded up to 16 floats are written, zeros at

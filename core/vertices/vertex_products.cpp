@@ -36,6 +36,18 @@ void for_each_index(std::size_t count, const Body& body) {
   parallel_for(count, std::cref(body));
 }
 
+/// A panel of transport [batch][rows][kBatchVertices], with zeros in the lanes of padding.
+void load_panel(const VertexSelection& selection, std::size_t panel,
+                std::span<const Half> transport, std::size_t rows, float* values) {
+  selection.for_each_part(panel, [&](std::uint32_t batch, std::uint64_t lanes, std::size_t to) {
+    load_lanes({transport.data() + batch * rows * kBatchVertices, lanes, to}, rows, values);
+  });
+  const std::size_t used = selection.lane_count(panel);
+  for (std::size_t i = 0; i < rows && used < kBatchVertices; ++i) {
+    std::fill(values + i * kBatchVertices + used, values + (i + 1) * kBatchVertices, 0.0f);
+  }
+}
+
 }  // namespace
 
 std::vector<float> convolution_factors(std::span<const double> lobe) {
@@ -96,7 +108,7 @@ void VertexProducts::irradiance(const VertexSelection& selection, std::span<floa
     const std::size_t end = std::min(pieces.size(), (chunk + 1) * kPieces);
     for (std::size_t p = chunk * kPieces; p < end; ++p) {
       sum_batch({transport_.irradiance.data() + pieces[p].batch * batch,
-                 transport_.irradiance_channels, light_.data(), count},
+                 transport_.irradiance_channels, count, light_.data(), count, count},
                 sums.data());
       std::size_t packed = pieces[p].first;
       for (std::uint64_t lanes = pieces[p].lanes; lanes != 0; lanes &= lanes - 1, ++packed) {
@@ -114,17 +126,16 @@ void VertexProducts::irradiance(const VertexSelection& selection, std::span<floa
   }
 }
 
+void VertexProducts::load_irradiance(const VertexSelection& selection, std::size_t panel,
+                                     float* values) const {
+  load_panel(selection, panel, transport_.irradiance,
+             transport_.irradiance_channels * sh::coefficient_count(transport_.irradiance_degree),
+             values);
+}
+
 void VertexProducts::load_visibility(const VertexSelection& selection, std::size_t panel,
                                      float* values) const {
-  const std::size_t size = matrix_.size();
-  selection.for_each_part(panel, [&](std::uint32_t batch, std::uint64_t lanes, std::size_t to) {
-    load_lanes({transport_.visibility.data() + batch * size * kBatchVertices, lanes, to}, size,
-               values);
-  });
-  const std::size_t used = selection.lane_count(panel);
-  for (std::size_t i = 0; i < size && used < kBatchVertices; ++i) {
-    std::fill(values + i * kBatchVertices + used, values + (i + 1) * kBatchVertices, 0.0f);
-  }
+  load_panel(selection, panel, transport_.visibility, matrix_.size(), values);
 }
 
 void VertexProducts::load_lobes(const VertexSelection& selection, std::size_t panel,

@@ -71,6 +71,8 @@ class VertexProducts {
   void load_visibility(const VertexSelection& selection, std::size_t panel, float* values) const;
   void load_lobes(const VertexSelection& selection, std::size_t panel, const VertexGloss& gloss,
                   float* values) const;
+  /// [channels][(irradiance degree + 1)²][kBatchVertices].
+  void load_irradiance(const VertexSelection& selection, std::size_t panel, float* values) const;
   ChannelMatrices matrices() const;
 
   /// CheckFailure when highlights of these vertices cannot be calculated.

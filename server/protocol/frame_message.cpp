@@ -21,6 +21,18 @@ double rounded_ms(double ms) {
   return static_cast<double>(static_cast<std::int64_t>(ms * 1e3 + 0.5)) / 1e3;
 }
 
+json unshown_of(const FrameHeader& header) {
+  json list = json::array();
+  for (const std::string& words : header.unshown) {
+    if (list.size() + 1 == kMostUnshown && header.unshown.size() > kMostUnshown) {
+      list.push_back(std::to_string(header.unshown.size() - list.size()) + " things more");
+      break;
+    }
+    list.push_back(words.substr(0, kLongestUnshown));
+  }
+  return list;
+}
+
 std::string header_text(const FrameHeader& header) {
   const json text{{"frame", header.frame},
                   {"epoch", header.revision.epoch},
@@ -32,14 +44,15 @@ std::string header_text(const FrameHeader& header) {
                   {"terms", header.terms},
                   {"residual", header.residual},
                   {"estimate", header.estimate ? json(*header.estimate) : json()},
-                  {"unshown", json::array()},
+                  {"unshown", unshown_of(header)},
                   {"times",
                    {{"queue_ms", rounded_ms(header.queue_ms)},
                     {"rotate_ms", rounded_ms(header.rotate_ms)},
                     {"update_ms", rounded_ms(header.update_ms)},
                     {"display_ms", rounded_ms(header.display_ms)},
                     {"encode_ms", rounded_ms(header.encode_ms)}}}};
-  return text.dump();
+  // Names of materials may hold bytes that are not UTF-8: replaced, not refused.
+  return text.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 FrameHeader read_header(const JsonReader& reader) {
@@ -57,6 +70,9 @@ FrameHeader read_header(const JsonReader& reader) {
   header.residual = reader.member("residual").number(0);
   if (const auto estimate = reader.member("estimate"); !estimate.value().is_null()) {
     header.estimate = estimate.number(0);
+  }
+  for (const JsonReader& words : reader.member("unshown").elements(0, kMostUnshown)) {
+    header.unshown.push_back(words.string());
   }
   const JsonReader times = reader.member("times");
   header.queue_ms = times.member("queue_ms").number(0, kLargestMs);

@@ -21,10 +21,11 @@ struct FrameHeader {
   int width = 0;
   int height = 0;
   bool exact = false;
-  std::int64_t terms = 0;          // columns applied
-  double residual = 0;             // ‖target − held‖₁ / ‖target‖₁ of the lighting
-  std::optional<double> estimate;  // relative L2 error of the image, estimated
-  double queue_ms = 0;             // from when the frame was wanted to when its work began
+  std::int64_t terms = 0;            // columns applied
+  double residual = 0;               // ‖target − held‖₁ / ‖target‖₁ of the lighting
+  std::optional<double> estimate;    // relative L2 error of the image, estimated
+  std::vector<std::string> unshown;  // what the state asks for and the image does not show
+  double queue_ms = 0;               // from when the frame was wanted to when its work began
   double rotate_ms = 0;
   double update_ms = 0;
   double display_ms = 0;
@@ -40,6 +41,10 @@ struct FrameMessage {
   std::vector<std::uint8_t> bytes;
 };
 using FramePtr = std::shared_ptr<const FrameMessage>;
+
+/// Of `unshown` so many are written, each cut to so many bytes; the last says how many there were
+/// more.
+inline constexpr std::size_t kMostUnshown = 16, kLongestUnshown = 320;
 
 FramePtr write_frame_message(const FrameHeader& header, std::span<const std::uint8_t> payload);
 

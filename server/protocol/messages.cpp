@@ -36,8 +36,9 @@ Quaternion read_rotation(const JsonReader& reader) {
   return normalized(rotation);
 }
 
-Edit read_edit(const JsonReader& message, const std::vector<std::string>& environments) {
-  message.allow_only({"type", "id", "rotation", "environment", "exposure"});
+Edit read_edit(const JsonReader& message, const std::vector<std::string>& environments,
+               const std::vector<std::string>& materials) {
+  message.allow_only({"type", "id", "rotation", "environment", "exposure", "view", "material"});
   Edit edit;
   edit.id = read_id(message);
   if (const auto member = message.optional_member("rotation")) {
@@ -49,9 +50,14 @@ Edit read_edit(const JsonReader& message, const std::vector<std::string>& enviro
   if (const auto member = message.optional_member("exposure")) {
     edit.exposure_stops = member->number(-kExposureRange, kExposureRange);
   }
-  if (!edit.rotation && !edit.environment && !edit.exposure_stops) {
+  if (const auto member = message.optional_member("view")) edit.view = read_view(*member);
+  if (const auto member = message.optional_member("material")) {
+    edit.materials = read_material(*member, materials);
+  }
+  if (!edit.rotation && !edit.environment && !edit.exposure_stops && !edit.view &&
+      edit.materials.empty()) {
     throw Error(message.where(), "an edit that sets nothing",
-                "one or more of rotation, environment, exposure");
+                "one or more of rotation, environment, exposure, view, material");
   }
   return edit;
 }
@@ -60,18 +66,23 @@ json with_revision(const char* type, const Revision& revision) {
   return {{"type", type}, {"epoch", revision.epoch}, {"revision", revision.number}};
 }
 
-json to_json(const Vec3d& v) { return {v.x, v.y, v.z}; }
+json material_of_welcome(const VertexMaterial& material) {
+  json text = parameters_to_json({material.albedo, material.highlight, material.exponent});
+  text["name"] = material.name;
+  return text;
+}
 
 }  // namespace
 
 ClientMessage parse_client_message(std::string_view text,
-                                   const std::vector<std::string>& environments) {
+                                   const std::vector<std::string>& environments,
+                                   const std::vector<std::string>& materials) {
   const json document = parse_json(text, "message");
   const JsonReader message(document, "message");
   static const std::vector<std::string> kTypes{"edit", "frame_ack", "ping"};
   switch (message.member("type").one_of(kTypes)) {
     case 0:
-      return read_edit(message, environments);
+      return read_edit(message, environments, materials);
     case 1:
       message.allow_only({"type", "frame"});
       return FrameAck{message.member("frame").integer(0, kLargestWhole)};
@@ -95,7 +106,17 @@ json state_to_json(const DesignState& state) {
   const Quaternion& q = state.rotation;
   return {{"rotation", {q.x, q.y, q.z, q.w}},
           {"environment", state.environment},
-          {"exposure", state.exposure_stops}};
+          {"exposure", state.exposure_stops},
+          {"view", view_to_json(state.view)},
+          {"material", material_to_json(state.materials)}};
+}
+
+void apply_edit(const Edit& edit, DesignState& state) {
+  apply_material(edit.materials, state.materials);
+  if (edit.rotation) state.rotation = *edit.rotation;
+  if (edit.environment) state.environment = *edit.environment;
+  if (edit.exposure_stops) state.exposure_stops = *edit.exposure_stops;
+  if (edit.view) state.view = *edit.view;
 }
 
 std::string write_welcome(const Welcome& welcome) {
@@ -104,10 +125,12 @@ std::string write_welcome(const Welcome& welcome) {
   message["scene"] = welcome.scene;
   message["environments"] = welcome.environments;
   message["size"] = {{"width", welcome.width}, {"height", welcome.height}};
-  message["camera"] = {{"position", to_json(welcome.camera.position)},
-                       {"target", to_json(welcome.camera.target)},
-                       {"up", to_json(welcome.camera.up)},
-                       {"fov", welcome.camera.vertical_field_of_view_degrees}};
+  message["camera"] = camera_to_json(welcome.camera);
+  message["any_view"] = welcome.any_view;
+  message["materials"] = json::array();
+  for (const VertexMaterial& material : welcome.materials) {
+    message["materials"].push_back(material_of_welcome(material));
+  }
   message["state"] = state_to_json(welcome.state);
   return dump(message);
 }

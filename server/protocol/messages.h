@@ -11,6 +11,8 @@
 #include "core/base/error.h"
 #include "core/math/camera.h"
 #include "core/relight/design_state.h"
+#include "core/transport/vertex_transport.h"
+#include "server/protocol/view_edits.h"
 
 namespace rimlight::server {
 
@@ -40,6 +42,8 @@ struct Edit {
   std::optional<Quaternion> rotation;
   std::optional<std::string> environment;
   std::optional<double> exposure_stops;
+  std::optional<std::optional<Camera>> view = {};  // no camera inside: the scene's own again
+  MaterialEdits materials = {};
 
   friend bool operator==(const Edit&, const Edit&) = default;
 };
@@ -62,10 +66,14 @@ using ClientMessage = std::variant<Edit, FrameAck, Ping>;
 
 /// Reads one text message of a client. Throws Error, where() naming the field: malformed JSON, an
 /// unknown type or field, a rotation that is not finite or cannot be normalised, an environment
-/// that is not among `environments`, an exposure out of range, an edit that sets nothing.
-/// Rotations come back as unit quaternions.
+/// that is not among `environments`, an exposure out of range, a view or a material that cannot be
+/// (view_edits.h), an edit that sets nothing. Rotations come back as unit quaternions.
 ClientMessage parse_client_message(std::string_view text,
-                                   const std::vector<std::string>& environments);
+                                   const std::vector<std::string>& environments,
+                                   const std::vector<std::string>& materials = {});
+
+/// Sets what the edit has. Throws Error, and changes nothing, for a state that grows too large.
+void apply_edit(const Edit& edit, DesignState& state);
 
 /// The id of a message that may be otherwise wrong, so that its error reply can name it.
 std::optional<std::string> find_message_id(std::string_view text);
@@ -78,6 +86,8 @@ struct Welcome {
   int width = 0;
   int height = 0;
   Camera camera;
+  bool any_view = false;                  // whether frames follow an edited view
+  std::vector<VertexMaterial> materials;  // whose edits frames follow, as they were baked
   DesignState state;
   Revision revision;
 };
@@ -93,7 +103,7 @@ std::string write_error(const Error& error, const std::optional<std::string>& id
 /// A failure with no field of a message to blame.
 std::string write_error(std::string_view reason);
 
-/// The state as it stands in messages: {"rotation", "environment", "exposure"}.
+/// The state as it stands in messages: {"rotation", "environment", "exposure", "view", "material"}.
 nlohmann::json state_to_json(const DesignState& state);
 
 }  // namespace rimlight::server

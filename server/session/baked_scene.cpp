@@ -8,11 +8,14 @@
 namespace rimlight::server {
 namespace {
 
-/// Draws with a FrameRenderer of its own.
+/// Draws with a renderer of its own: a FrameRenderer or a VertexRenderer, whose methods are the
+/// same.
+template <typename Renderer>
 class RendererSource final : public FrameSource {
  public:
-  RendererSource(std::shared_ptr<const Bake> bake, const RelightSettings& settings)
-      : renderer_(std::move(bake), settings) {}
+  template <typename Scene, typename Settings>
+  RendererSource(const std::shared_ptr<const Scene>& scene, const Settings& settings)
+      : renderer_(scene, settings) {}
 
   FrameReport render_moving(const DesignState& state, Rgb8Image& frame) override {
     return renderer_.render_moving(state, frame);
@@ -23,8 +26,24 @@ class RendererSource final : public FrameSource {
   }
 
  private:
-  FrameRenderer renderer_;
+  Renderer renderer_;
 };
+
+/// What all kinds of bakes have. `where` names the bake in errors.
+ServedScene served_scene(const std::string& name, const std::string& where,
+                         const std::vector<BakedEnvironment>& environments) {
+  ServedScene scene;
+  scene.name = name;
+  if (!is_valid_name(scene.name)) {
+    throw Error(where, "the bake's name " + quote(scene.name),
+                "1 to 64 of A-Z a-z 0-9 . _ -, to stand in a URL");
+  }
+  for (const BakedEnvironment& baked : environments) {
+    scene.environments.push_back(baked.environment->name());
+  }
+  if (scene.environments.empty()) throw Error(where, "no environments", "one or more");
+  return scene;
+}
 
 }  // namespace
 
@@ -34,23 +53,28 @@ std::string scene_name(const std::filesystem::path& bake_folder) {
 }
 
 ServedScene serve_bake(std::shared_ptr<const Bake> bake, const RelightSettings& settings) {
-  ServedScene scene;
-  scene.name = scene_name(bake->folder());
-  if (!is_valid_name(scene.name)) {
-    throw Error(bake->folder().string(), "the bake's name " + quote(scene.name),
-                "1 to 64 of A-Z a-z 0-9 . _ -, to stand in a URL");
-  }
-  for (const BakedEnvironment& baked : bake->environments()) {
-    scene.environments.push_back(baked.environment->name());
-  }
-  if (scene.environments.empty()) {
-    throw Error(bake->folder().string(), "no environments", "one or more");
-  }
+  ServedScene scene =
+      served_scene(scene_name(bake->folder()), bake->folder().string(), bake->environments());
   scene.width = bake->manifest().pixels.width;
   scene.height = bake->manifest().pixels.height;
   scene.camera = bake->manifest().camera;
   scene.make_source = [bake = std::move(bake), settings] {
-    return std::make_unique<RendererSource>(bake, settings);
+    return std::make_unique<RendererSource<FrameRenderer>>(bake, settings);
+  };
+  return scene;
+}
+
+ServedScene serve_vertices(std::shared_ptr<const VertexScene> vertices,
+                           const VertexSettings& settings) {
+  check_vertex_scene(*vertices);
+  ServedScene scene = served_scene(vertices->name, vertices->name, vertices->environments);
+  scene.width = vertices->width;
+  scene.height = vertices->height;
+  scene.camera = vertices->camera;
+  scene.any_view = true;
+  scene.materials = vertices->materials;
+  scene.make_source = [vertices = std::move(vertices), settings] {
+    return std::make_unique<RendererSource<VertexRenderer>>(vertices, settings);
   };
   return scene;
 }

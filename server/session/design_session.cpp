@@ -29,8 +29,9 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
   const std::lock_guard lock(mutex_);
   idle_since_.reset();
   viewers_.push_back({client, kNone, nullptr});
-  client->send_text(write_welcome({name_, scene_.name, scene_.environments, scene_.width,
-                                   scene_.height, scene_.camera, state_, revision_}));
+  client->send_text(
+      write_welcome({name_, scene_.name, scene_.environments, scene_.width, scene_.height,
+                     scene_.camera, scene_.any_view, scene_.materials, state_, revision_}));
   if (exact_revision_ == revision_.number) {
     if (exact_frame_) {
       offer(viewers_.back(), exact_frame_);
@@ -50,9 +51,7 @@ void DesignSession::leave(const Client& client, Clock::time_point now) {
 
 void DesignSession::apply(const Client& client, const Edit& edit, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  if (edit.rotation) state_.rotation = *edit.rotation;
-  if (edit.environment) state_.environment = *edit.environment;
-  if (edit.exposure_stops) state_.exposure_stops = *edit.exposure_stops;
+  apply_edit(edit, state_);
   ++revision_.number;
   newest_revision_.store(revision_.number, std::memory_order_relaxed);
   last_edit_ = now;
@@ -187,6 +186,7 @@ FramePtr DesignSession::make_frame(const Task& task) {
   header.terms = static_cast<std::int64_t>(report.terms);
   header.residual = report.residual;
   header.estimate = report.estimate;
+  header.unshown = report.unshown;
   header.queue_ms = task.queue_ms;
   header.rotate_ms = report.rotate_ms;
   header.update_ms = report.update_ms;

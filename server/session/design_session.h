@@ -42,7 +42,8 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   /// Sends the welcome and, when there is one, the current exact frame.
   void join(const std::shared_ptr<Client>& client, Clock::time_point now);
   void leave(const Client& client, Clock::time_point now);
-  /// Sets the state, sends the ack to `client` and the state to the others.
+  /// Sets the state, sends the ack to `client` and the state to the others. Throws Error, and
+  /// changes nothing, where apply_edit() does.
   void apply(const Client& client, const Edit& edit, Clock::time_point now);
   [[nodiscard]] AckResult acknowledge(const Client& client, std::int64_t frame,
                                       Clock::time_point now);

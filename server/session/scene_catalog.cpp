@@ -8,6 +8,13 @@
 #include "core/base/error.h"
 
 namespace rimlight::server {
+
+std::vector<std::string> material_names(const ServedScene& scene) {
+  std::vector<std::string> names;
+  for (const VertexMaterial& material : scene.materials) names.push_back(material.name);
+  return names;
+}
+
 SceneCatalog::SceneCatalog(std::vector<ServedScene> scenes) : scenes_(std::move(scenes)) {
   if (scenes_.empty()) throw Error("serve", "no bakes", "one or more");
   std::set<std::string> names;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/math/camera.h"
+#include "core/transport/vertex_transport.h"
 #include "server/session/frame_source.h"
 
 namespace rimlight::server {
@@ -18,8 +19,13 @@ struct ServedScene {
   int width = 0;
   int height = 0;
   Camera camera;
+  bool any_view = false;                  // whether frames follow an edited view
+  std::vector<VertexMaterial> materials;  // whose edits frames follow, as they were baked
   std::function<std::unique_ptr<FrameSource>()> make_source;
 };
+
+/// The names of a scene's materials.
+std::vector<std::string> material_names(const ServedScene& scene);
 
 /// The scenes by name; the first is the default. Immutable after it is made; any thread.
 class SceneCatalog {

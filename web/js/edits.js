@@ -1,13 +1,25 @@
 const kMostUnacknowledged = 3;
 const kRemembered = 256;
 
+/** Two edits as one; null when they must go one after the other. */
+export function merged(first, second) {
+  const result = { ...first, ...second };
+  if (!first.material || !second.material) return result;
+  const parameter = { ...first.material.parameter };
+  for (const [name, change] of Object.entries(second.material.parameter)) {
+    if (parameter[name] === null && change !== null) return null; // taken back, then set
+    parameter[name] = change && { ...parameter[name], ...change };
+  }
+  return { ...result, material: { parameter } };
+}
+
 /**
  * Sends edits: at most one an animation frame, what comes in between merged, and none while a few
  * wait for their acks. Remembers when each was sent, so that a frame's latency can be told.
  */
 export class Edits {
   #send;
-  #pending = null;
+  #pending = []; // each to be sent as one
   #scheduled = false;
   #counter = 0;
   #sent = new Map(); // id → time sent, until acknowledged
@@ -20,12 +32,14 @@ export class Edits {
 
   /** Whether the server may not have heard all yet. */
   get isBusy() {
-    return this.#pending !== null || this.#sent.size > 0;
+    return this.#pending.length > 0 || this.#sent.size > 0;
   }
 
-  /** Sets part of the state: {rotation}, {environment}, {exposure}. */
+  /** Sets part of the state: {rotation}, {environment}, {exposure}, {view}, {material}. */
   set(change) {
-    this.#pending = { ...this.#pending, ...change };
+    const last = this.#pending.pop() ?? {};
+    const both = merged(last, change);
+    this.#pending.push(...(both ? [both] : [last, change]));
     this.#schedule();
   }
 
@@ -60,7 +74,7 @@ export class Edits {
   }
 
   #schedule() {
-    if (this.#scheduled || this.#pending === null) return;
+    if (this.#scheduled || this.#pending.length === 0) return;
     this.#scheduled = true;
     requestAnimationFrame(() => {
       this.#scheduled = false;
@@ -69,10 +83,11 @@ export class Edits {
   }
 
   #flush() {
-    if (this.#pending === null || this.#sent.size >= kMostUnacknowledged) return;
+    if (this.#pending.length === 0 || this.#sent.size >= kMostUnacknowledged) return;
     const id = String(++this.#counter);
-    if (!this.#send({ type: 'edit', id, ...this.#pending })) return;
+    if (!this.#send({ type: 'edit', id, ...this.#pending[0] })) return;
     this.#sent.set(id, performance.now());
-    this.#pending = null;
+    this.#pending.shift();
+    this.#schedule();
   }
 }

@@ -1,7 +1,9 @@
 import { Connection } from './connection.js';
 import { Controls } from './controls.js';
 import { Edits } from './edits.js';
+import { Materials } from './materials.js';
 import { Measurements } from './measurements.js';
+import { Orbit } from './orbit.js';
 import { Toasts } from './toasts.js';
 import { Trackball } from './trackball.js';
 import { Viewer } from './viewer.js';
@@ -24,15 +26,40 @@ const viewer = new Viewer(element('canvas'), element('stage'));
 const measurements = new Measurements(document);
 const toasts = new Toasts(element('toasts'));
 const controls = new Controls(change);
+const materials = new Materials(change);
+
+function onGrab(grabbed) {
+  element('canvas').classList.toggle('dragging', grabbed);
+  if (!grabbed) adopt();
+}
+
+// Before the trackball: it hears keys first, and keeps those that turn the camera.
+const orbit = new Orbit(element('canvas'), {
+  leads: () => element('drag-camera').checked,
+  onView: (camera) => {
+    trackball.setCamera(camera ?? sceneCamera);
+    edits.set({ view: { camera } });
+  },
+  onGrab,
+});
 const trackball = new Trackball(element('canvas'), {
   onTurn: (rotation) => edits.set({ rotation }),
-  onGrab: (grabbed) => {
-    element('canvas').classList.toggle('dragging', grabbed);
-    if (!grabbed) adopt();
-  },
+  onGrab,
+  isTaken: (event) => orbit.isDragging || orbit.takes(event),
 });
 
 let newest = null; // {epoch, revision, state}: what the server said last
+let sceneCamera = null; // where a view starts
+
+element('reset-view').addEventListener('click', () => {
+  showView(null);
+  edits.set({ view: { camera: null } });
+});
+
+function showView(camera) {
+  trackball.setCamera(camera ?? sceneCamera);
+  orbit.setCamera(camera ?? sceneCamera);
+}
 
 function change(part) {
   if (part.rotation) trackball.setRotation(part.rotation);
@@ -41,8 +68,10 @@ function change(part) {
 
 /** Shows the session's state as the server has it, but never against the user's own hand. */
 function adopt() {
-  if (newest === null || trackball.isDragging || edits.isBusy) return;
+  if (newest === null || trackball.isDragging || orbit.isDragging || edits.isBusy) return;
   trackball.setRotation(newest.state.rotation);
+  showView(newest.state.view.camera);
+  materials.show(newest.state.material.parameter);
   controls.show(newest.state);
 }
 
@@ -56,7 +85,13 @@ const handlers = {
     newest = message;
     edits.restart();
     viewer.setSize(message.size);
-    trackball.setCamera(message.camera);
+    sceneCamera = message.camera;
+    orbit.setHome(message.camera, message.any_view);
+    showView(message.state.view.camera);
+    for (const id of ['drag', 'reset-view']) element(id).hidden = !message.any_view;
+    if (!message.any_view) element('drag-light').checked = true;
+    element('view-help').hidden = !message.any_view;
+    materials.setMaterials(message.materials);
     controls.setEnvironments(message.environments);
     element('scene').textContent = message.scene;
     element('session').textContent = message.session === 'default' ? '' : message.session;

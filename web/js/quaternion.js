@@ -31,6 +31,13 @@ export function dot(a, b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/** A vector turned by a unit quaternion. */
+export function rotated(q, v) {
+  const t = cross(q, v).map((x) => 2 * x);
+  const u = cross(q, t);
+  return v.map((x, i) => x + q[3] * t[i] + u[i]);
+}
+
 /** The shortest turn that takes unit vector a to unit vector b. */
 export function between(a, b) {
   const axis = cross(a, b);

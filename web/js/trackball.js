@@ -30,7 +30,8 @@ function toWorld(q, axes) {
 
 /**
  * Turns drags and arrow keys on an element into rotations of the light, as if one grabbed the
- * sphere of light around the scene. Calls onTurn(rotation), and onGrab(true or false).
+ * sphere of light around the scene. Calls onTurn(rotation), and onGrab(true or false). Presses that
+ * isTaken(event) says are another's are left alone.
  */
 export class Trackball {
   #element;
@@ -39,8 +40,10 @@ export class Trackball {
   #grab = null; // {pointer, point, rotation}
   #onTurn;
   #onGrab;
+  #isTaken;
 
-  constructor(element, { onTurn, onGrab }) {
+  constructor(element, { onTurn, onGrab, isTaken = () => false }) {
+    this.#isTaken = isTaken;
     this.#element = element;
     this.#onTurn = onTurn;
     this.#onGrab = onGrab;
@@ -73,7 +76,7 @@ export class Trackball {
   }
 
   #start(event) {
-    if (this.#grab || event.button !== 0) return;
+    if (this.#grab || event.button !== 0 || this.#isTaken(event)) return;
     this.#element.setPointerCapture(event.pointerId);
     this.#grab = { pointer: event.pointerId, point: this.#point(event), rotation: this.#rotation };
     this.#onGrab(true);

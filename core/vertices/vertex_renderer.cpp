@@ -1,0 +1,291 @@
+#include "core/vertices/vertex_renderer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/base/stopwatch.h"
+#include "core/image/metrics.h"
+#include "core/relight/display.h"
+#include "core/relight/prepared_environment.h"
+#include "core/relight/recent_times.h"
+#include "core/relight/shown_environments.h"
+#include "core/vertices/vertex_shading.h"
+
+namespace rimlight {
+namespace {
+
+/// More of the picture than this seen from behind is said.
+constexpr double kMostFromBehind = 0.01;
+
+/// A view and what shows it.
+struct Shown {
+  VertexView view;
+  Display display;
+  bool is_placed = false;  // whether the display is of this view
+
+  Shown(const VertexScene& scene, std::shared_ptr<const TriangleTree> tree,
+        std::vector<PixelPoint> points)
+      : view(*scene.mesh, std::move(tree),
+             {scene.width, scene.height, scene.transport.highlight_count, std::move(points)}),
+        display({scene.width, scene.height}, scene.camera, view.coverage()) {}
+
+  void look(const Camera& camera, GBufferDetail detail) {
+    if (view.look(camera, detail)) is_placed = false;
+    if (is_placed) return;
+    display.set_view(camera, view.coverage());
+    is_placed = true;
+  }
+};
+
+/// What the vertices are lit by.
+struct LitBy {
+  std::string environment;
+  Quaternion rotation;
+
+  friend bool operator==(const LitBy&, const LitBy&) = default;
+};
+
+struct Light {
+  std::shared_ptr<const PreparedEnvironment> prepared;
+  VertexLight light;
+};
+
+/// A light to 2n is all that a product to n sees of it.
+int light_degree(const VertexTransportView& transport) {
+  const int of_highlights = transport.highlight_count > 0 ? 2 * transport.visibility_degree : 0;
+  return std::max(transport.irradiance_degree, of_highlights);
+}
+
+std::shared_ptr<const VertexScene> checked(std::shared_ptr<const VertexScene> scene) {
+  RIMLIGHT_CHECK(scene != nullptr);
+  check_vertex_scene(*scene);
+  return scene;
+}
+
+}  // namespace
+
+struct VertexRenderer::State {
+  std::shared_ptr<const VertexScene> scene;
+  VertexSettings settings;
+  std::shared_ptr<const TriangleTree> tree;
+  Shown quick, smooth;  // of one point a pixel, and of several
+  VertexLighting lighting;
+  VertexMaterials materials;
+  ShownEnvironments environments;
+  std::map<std::string, Light> lights;  // of the environments shown so far
+  std::optional<LitBy> held;
+  std::vector<float> turned;
+  std::vector<Vec3f> diffuse;  // [vertex]
+  RecentTimes viewing;         // what whole views took
+  Rgb8Image drawn;             // an exact frame, until it is known that nobody abandons it
+
+  State(std::shared_ptr<const VertexScene> scene_, const VertexSettings& settings_)
+      : scene(checked(std::move(scene_))),
+        settings(settings_),
+        tree(std::make_shared<const TriangleTree>(scene->mesh->positions, scene->mesh->triangles,
+                                                  scene->name)),
+        quick(*scene, tree, {PixelPoint{}}),
+        smooth(*scene, tree, {kSmoothPoints.begin(), kSmoothPoints.end()}),
+        lighting(scene->transport),
+        materials(*scene, lighting.stride()),
+        environments(scene->environments),
+        diffuse(scene->mesh->positions.size()) {}
+
+  Light& light(const std::string& name) {
+    const auto found = lights.find(name);
+    if (found != lights.end()) return found->second;
+    auto prepared = prepare_environment(environments.at(name).environment,
+                                        {settings.light_size, settings.background_size});
+    VertexLight light(prepared->texels, light_degree(scene->transport), settings.window);
+    return lights.emplace(name, Light{std::move(prepared), std::move(light)}).first->second;
+  }
+
+  /// Turns the light and gives it to the vertices, unless they have it.
+  void hold(const std::string& environment, const Quaternion& rotation) {
+    const LitBy wanted{environment, rotation};
+    if (held == wanted) return;
+    const VertexLight& source = light(environment).light;
+    turned.resize(source.coefficients().size());
+    source.turn(rotation, turned);
+    lighting.set_light(turned);
+    held = wanted;
+  }
+
+  /// The light of what the view needs, and from it the vertices' diffuse radiance.
+  void light_vertices(const VertexView& view) {
+    lighting.light(view.vertices(), view.highlight_vertices());
+    const VertexMesh& mesh = *scene->mesh;
+    for (const std::uint32_t vertex : view.vertices()) {
+      const Vec3f& albedo = materials.at(mesh.materials[vertex]).albedo;
+      diffuse[vertex] =
+          mesh.tints[vertex] * albedo * lighting.irradiance(vertex) * std::numbers::inv_pi_v<float>;
+    }
+  }
+
+  /// How much of a new view a frame in motion traces.
+  GBufferDetail moving_detail(const Camera& camera) const {
+    if (quick.view.detail_of(camera) != GBufferDetail::none) return GBufferDetail::full;
+    const bool too_long = settings.view_ms <= 0 || viewing.typical_ms() > settings.view_ms;
+    return too_long ? GBufferDetail::coarse : GBufferDetail::full;
+  }
+
+  void look_moving(const Camera& camera) {
+    const GBufferDetail known = quick.view.detail_of(camera);
+    const GBufferDetail detail = moving_detail(camera);
+    const Stopwatch watch;
+    quick.look(camera, detail);
+    if (known == GBufferDetail::none && detail == GBufferDetail::full) {
+      viewing.add(watch.elapsed_ms());
+    }
+  }
+
+  Display::FillTile tiles_of(const VertexView& view) const {
+    return [this, &view](std::size_t tile, TileImage& image) {
+      const VertexShading shading{*scene->mesh, view,      diffuse,
+                                  lighting,     materials, scene->transport.visibility_degree};
+      const auto [left, top] =
+          PixelLayout{scene->width, scene->height}.pixel(tile * kTileReceivers);
+      return shade_tile(shading, left, top, image);
+    };
+  }
+
+  void describe(const VertexView& view, FrameReport& report) const {
+    report.terms = turned.size() / 3;
+    report.unshown = materials.unshown();
+    if (view.share_from_behind() > kMostFromBehind) {
+      report.unshown.emplace_back("the backs of surfaces (they look like their fronts)");
+    }
+  }
+
+  Display::Background background(const DesignState& state, const Quaternion& rotation) {
+    return {light(state.environment).prepared->background, rotation};
+  }
+
+  const Camera& camera_of(const DesignState& state) const {
+    if (!state.view) return scene->camera;
+    check_camera(*state.view, "view");
+    return *state.view;
+  }
+
+  /// All that an exact frame is made of, in the smooth view; false when abandoned.
+  bool relight_exactly(const DesignState& state, const Quaternion& rotation, FrameReport& report,
+                       const std::function<bool()>& abandon) {
+    const Camera& camera = camera_of(state);
+    materials.set(state.materials);
+    const auto abandoned = [&] { return abandon && abandon(); };
+    report = {};
+    report.exact = true;
+    Stopwatch watch;
+    hold(state.environment, rotation);
+    report.rotate_ms = watch.lap_ms();
+    if (abandoned()) return false;
+    smooth.look(camera, GBufferDetail::full);
+    if (abandoned()) return false;
+    light_vertices(smooth.view);
+    report.update_ms = watch.lap_ms();
+    describe(smooth.view, report);
+    return !abandoned();
+  }
+};
+
+VertexRenderer::VertexRenderer(std::shared_ptr<const VertexScene> scene,
+                               const VertexSettings& settings)
+    : state_(std::make_unique<State>(std::move(scene), settings)) {}
+
+VertexRenderer::~VertexRenderer() = default;
+
+const VertexScene& VertexRenderer::scene() const { return *state_->scene; }
+
+void VertexRenderer::prepare(const VertexScene& scene, const VertexSettings& settings) {
+  for (const BakedEnvironment& baked : scene.environments) {
+    prepare_environment(baked.environment, {settings.light_size, settings.background_size});
+  }
+}
+
+void VertexRenderer::add_environment(std::shared_ptr<const Environment> environment) {
+  const std::string name = environment->name();
+  state_->lights.erase(name);
+  state_->held.reset();
+  state_->environments.set({environment, 1});
+  DesignState state;
+  state.environment = name;
+  state_->materials.set({});
+  state_->hold(name, {});
+  state_->quick.look(state_->scene->camera, GBufferDetail::full);
+  state_->light_vertices(state_->quick.view);
+  const auto fill = state_->tiles_of(state_->quick.view);
+  const PixelLayout pixels{state_->scene->width, state_->scene->height};
+  const auto coverage = state_->quick.view.coverage();
+  std::vector<Vec3f> covered;
+  TileImage image;
+  for (std::size_t tile = 0; tile < pixels.tile_count(); ++tile) {
+    fill(tile, image);
+    for (std::size_t i = 0; i < kTileReceivers; ++i) {
+      const auto [x, y] = pixels.pixel(tile * kTileReceivers + i);
+      if (x >= pixels.width || y >= pixels.height) continue;
+      if (!(coverage[static_cast<std::size_t>(y * pixels.width + x)] > 0)) continue;
+      const auto at = static_cast<std::size_t>(y % PixelLayout::kTileSide) * TileImage::kSide +
+                      static_cast<std::size_t>(x % PixelLayout::kTileSide);
+      covered.emplace_back(image.channel[0][at], image.channel[1][at], image.channel[2][at]);
+    }
+  }
+  state_->environments.set({environment, auto_exposure_scale(covered)});
+}
+
+FrameReport VertexRenderer::render_moving(const DesignState& state, Rgb8Image& frame) {
+  const Quaternion rotation = checked_rotation(state);
+  const Camera& camera = state_->camera_of(state);
+  state_->materials.set(state.materials);
+  FrameReport report;
+  Stopwatch watch;
+  state_->hold(state.environment, rotation);
+  report.rotate_ms = watch.lap_ms();
+  state_->look_moving(camera);
+  Shown& quick = state_->quick;
+  state_->light_vertices(quick.view);
+  report.update_ms = watch.lap_ms();
+  state_->describe(quick.view, report);
+  quick.display.show(state_->tiles_of(quick.view), state_->background(state, rotation),
+                     state_->environments.exposure_of(state), frame);
+  report.display_ms = watch.lap_ms();
+  return report;
+}
+
+bool VertexRenderer::render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
+                                  const std::function<bool()>& abandon) {
+  const Quaternion rotation = checked_rotation(state);
+  if (!state_->relight_exactly(state, rotation, report, abandon)) return false;
+  Stopwatch watch;
+  Shown& smooth = state_->smooth;
+  std::atomic<bool> is_abandoned{false};
+  const auto fill = [&, tiles = state_->tiles_of(smooth.view)](std::size_t tile, TileImage& image) {
+    if (abandon && (is_abandoned.load() || abandon())) {
+      is_abandoned.store(true);
+      for (auto& channel : image.channel) channel.fill(0);
+      return 0.0;
+    }
+    return tiles(tile, image);
+  };
+  smooth.display.show(fill, state_->background(state, rotation),
+                      state_->environments.exposure_of(state), state_->drawn);
+  if (is_abandoned.load()) return false;
+  std::swap(frame, state_->drawn);
+  report.display_ms = watch.lap_ms();
+  return true;
+}
+
+void VertexRenderer::render_radiance(const DesignState& state, RgbImage& image,
+                                     FrameReport& report) {
+  const Quaternion rotation = checked_rotation(state);
+  RIMLIGHT_CHECK(state_->relight_exactly(state, rotation, report, {}));
+  Stopwatch watch;
+  Shown& smooth = state_->smooth;
+  smooth.display.show(state_->tiles_of(smooth.view), state_->background(state, rotation), image);
+  report.display_ms = watch.lap_ms();
+}
+
+}  // namespace rimlight

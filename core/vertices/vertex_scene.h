@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/math/camera.h"
+#include "core/transport/bake_folder.h"
+#include "core/transport/vertex_transport.h"
+
+namespace rimlight {
+
+/// A scene whose transport is at vertices: it can be seen from anywhere, and its materials edited.
+struct VertexScene {
+  std::string name;  // in errors
+  std::shared_ptr<const VertexMesh> mesh;
+  std::vector<VertexMaterial> materials;
+  VertexTransportView transport;
+  Camera camera;  // where a view starts
+  int width = 0;
+  int height = 0;
+  std::vector<BakedEnvironment> environments;
+  /// Whether light went from surface to surface with the baked albedo: then it does not follow an
+  /// edited one.
+  bool has_interreflection = false;
+  std::shared_ptr<const void> memory;  // of the transport's views
+};
+
+/// Throws Error, naming the scene and the field, for a scene that cannot be shown: counts that do
+/// not fit each other, a material or corner that there is not, numbers that are not finite, degrees
+/// or sizes out of range, a bad camera.
+void check_vertex_scene(const VertexScene& scene);
+
+}  // namespace rimlight
