@@ -20,6 +20,8 @@ struct LitMesh {
   AlignedVector<Half> irradiance, visibility;
 
   VertexTransportView view() const;
+  /// A copy with the bands to `lower` ≤ degree only.
+  LitMesh to_degree(int lower) const;
 };
 
 /// Which directions a vertex' transport is summed over: the same even ones on the sphere for all,
