@@ -24,16 +24,20 @@ std::filesystem::path make_folder(const ReportOptions& options) {
 
 }  // namespace
 
+void add_output_options(CLI::App& command, ReportOptions& options) {
+  command.add_option("-o,--output", options.output, "Folder to write")->capture_default_str();
+  command.add_option("--threads", options.threads, "Threads to use (default: all cores)")
+      ->check(CLI::Range(1, 1024));
+  command.add_flag("--json", options.json, "Print the report as one JSON object");
+}
+
 void add_report_options(CLI::App& command, ReportOptions& options) {
   command
       .add_option("--scene,scene", options.scene,
                   "Bake, best made with --reference; or a scene source (.json), which is baked "
                   "with reference rows first, into the output folder")
       ->required();
-  command.add_option("-o,--output", options.output, "Folder to write")->capture_default_str();
-  command.add_option("--threads", options.threads, "Threads to use (default: all cores)")
-      ->check(CLI::Range(1, 1024));
-  command.add_flag("--json", options.json, "Print the report as one JSON object");
+  add_output_options(command, options);
 }
 
 std::unique_ptr<const Bake> open_bake(const ReportOptions& options) {
@@ -67,7 +71,9 @@ void add_report_command(CLI::App& app, Action& chosen) {
   CLI::App* const command =
       app.add_subcommand("report", "Run an experiment on a bake; write its numbers and figures");
   command->require_subcommand(1);
+  add_adaptive_sh_report(*command, chosen);
   add_error_vs_time_report(*command, chosen);
+  add_sh_policies_report(*command, chosen);
   add_storage_report(*command, chosen);
 }
 

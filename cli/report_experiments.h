@@ -21,7 +21,8 @@ struct ReportOptions {
   bool json = false;
 };
 
-/// Adds those options to an experiment's command.
+/// Adds those options to an experiment's command; or those but the scene, where it needs no bake.
+void add_output_options(CLI::App& command, ReportOptions& options);
 void add_report_options(CLI::App& command, ReportOptions& options);
 
 /// Sets the threads and opens the bake; a scene source is baked first, with reference rows, into
@@ -36,7 +37,9 @@ void publish(const nlohmann::json& report,
              const ReportOptions& options);
 
 // One function an experiment.
+void add_adaptive_sh_report(CLI::App& report, Action& chosen);
 void add_error_vs_time_report(CLI::App& report, Action& chosen);
+void add_sh_policies_report(CLI::App& report, Action& chosen);
 void add_storage_report(CLI::App& report, Action& chosen);
 
 }  // namespace rimlight

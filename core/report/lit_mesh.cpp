@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/basis/sh_kernel.h"
@@ -163,6 +164,22 @@ class SkyTracer {
 VertexTransportView LitMesh::view() const {
   const std::size_t vertices = mesh.positions.size();
   return {vertices, vertices, degree, degree, 1, irradiance, visibility};
+}
+
+LitMesh LitMesh::to_degree(int lower) const {
+  RIMLIGHT_CHECK(lower >= 0 && lower <= degree);
+  LitMesh cut{name, mesh, lower, {}, {}};
+  const std::size_t from = sh::coefficient_count(degree) * kBatchVertices;
+  const std::size_t kept = sh::coefficient_count(lower) * kBatchVertices;
+  for (std::size_t at = 0; at < irradiance.size(); at += from) {
+    const auto copy = [&](const AlignedVector<Half>& all, AlignedVector<Half>& to) {
+      const auto begin = all.begin() + static_cast<std::ptrdiff_t>(at);
+      to.insert(to.end(), begin, begin + static_cast<std::ptrdiff_t>(kept));
+    };
+    copy(irradiance, cut.irradiance);
+    copy(visibility, cut.visibility);
+  }
+  return cut;
 }
 
 LitMesh light_mesh(std::string name, std::vector<Mesh> meshes, int degree) {

@@ -11,6 +11,12 @@
 
 namespace rimlight {
 
+/// What a report was asked to measure on, before anything is calculated.
+struct NamedMesh {
+  std::string name;
+  std::vector<Mesh> meshes;
+};
+
 /// A mesh by itself under the sky, with direct transport to one degree: for reports, which need no
 /// bake of a scene. Owns its memory.
 struct LitMesh {
@@ -20,6 +26,8 @@ struct LitMesh {
   AlignedVector<Half> irradiance, visibility;
 
   VertexTransportView view() const;
+  /// A copy with the bands to `lower` ≤ degree only.
+  LitMesh to_degree(int lower) const;
 };
 
 /// Which directions a vertex' transport is summed over: the same even ones on the sphere for all,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "core/base/error.h"
@@ -158,7 +159,7 @@ std::vector<ShPolicyRow> measure_sh_policies(const LitMesh& lit, const Environme
   return rows;
 }
 
-nlohmann::json sh_policies_report(const std::vector<ShPolicyRow>& rows) {
+nlohmann::json to_json(const std::vector<ShPolicyRow>& rows) {
   nlohmann::json result = {{"experiment", "sh-policies"},
                            {"machine", describe_machine()},
                            {"rows", nlohmann::json::array()}};
@@ -174,6 +175,36 @@ nlohmann::json sh_policies_report(const std::vector<ShPolicyRow>& rows) {
                               {"largest_jump", row.largest_jump}});
   }
   return result;
+}
+
+Figures draw_figures(const std::vector<ShPolicyRow>& rows, const std::filesystem::path& folder) {
+  using Curves = std::map<std::string, std::vector<std::vector<double>>>;  // by run
+  std::map<std::string, Curves> pictures;
+  for (const ShPolicyRow& row : rows) {
+    // What is exact has no place on a logarithmic axis.
+    if (!(row.relative_l2 > 0)) continue;
+    pictures[row.mesh + ", " + row.light][row.run].push_back(
+        {static_cast<double>(row.frame), row.relative_l2});
+  }
+  Figures figures;
+  for (const auto& [title, curves] : pictures) {
+    const std::string picture = "sh-policies-" + std::to_string(figures.scripts.size()) + ".png";
+    GnuplotScript script(picture);
+    script.add("set title " + gnuplot_quote("Error of irradiance against frame: " + title));
+    script.add("set xlabel \"frame\"\nset logscale y\nset key outside right");
+    script.add("set ylabel \"error, L2, relative\"");
+    std::string plot;
+    std::size_t count = 0;
+    for (const auto& [run, points] : curves) {
+      const std::string data = "d" + std::to_string(count++);
+      script.add_data(data, points);
+      plot += (plot.empty() ? "plot $" : ", $") + data + " using 1:2 with lines lw 1.5 title " +
+              gnuplot_quote(run);
+    }
+    script.add(plot);
+    draw_figure(script, folder / picture, figures);
+  }
+  return figures;
 }
 
 }  // namespace rimlight

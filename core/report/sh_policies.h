@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "core/light/environment.h"
 #include "core/light/light_sequence.h"
+#include "core/report/gnuplot.h"
 #include "core/report/lit_mesh.h"
 
 namespace rimlight {
@@ -51,6 +53,9 @@ std::vector<ShPolicyRow> measure_sh_policies(const LitMesh& lit, const Environme
                                              const std::function<void(double)>& progress);
 
 /// docs/formats/report.md.
-nlohmann::json sh_policies_report(const std::vector<ShPolicyRow>& rows);
+nlohmann::json to_json(const std::vector<ShPolicyRow>& rows);
+
+/// Error against frame, a picture for each mesh and light. As draw_figures() of figures.h.
+Figures draw_figures(const std::vector<ShPolicyRow>& rows, const std::filesystem::path& folder);
 
 }  // namespace rimlight

@@ -29,7 +29,12 @@ const Half* IncrementalIrradiance::batch(std::size_t index) const {
 }
 
 void IncrementalIrradiance::sum_afresh(std::size_t index) {
-  sum_batch({batch(index), transport_.irradiance_channels, held_.data(), count_},
+  sum_batch({.transport = batch(index),
+             .channels = transport_.irradiance_channels,
+             .transport_stride = count_,
+             .light = held_.data(),
+             .light_stride = count_,
+             .count = count_},
             irradiance_.data() + index * kBatchFloats);
 }
 

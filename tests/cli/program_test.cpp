@@ -233,6 +233,26 @@ TEST_F(Program, ReportsOnASceneThatItBakesFirst) {
   EXPECT_THAT(without.errors, HasSubstr("--reference"));
 }
 
+TEST_F(Program, ReportsOnVerticesWithoutABake) {
+  const ProgramResult result =
+      run_program({"report", "adaptive-sh", "--mesh", "orange", "--light", "studio", "--degree",
+                   "3", "-o", path("report"), "--json"});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  const json report = json::parse(result.output);
+  EXPECT_EQ(report.at("experiment"), "adaptive-sh");
+  ASSERT_EQ(report.at("rows").size(), 2u);
+  EXPECT_EQ(report.at("rows")[1].at("mesh"), "orange");
+  EXPECT_EQ(report.at("rows")[1].at("coefficients"), 16);
+  EXPECT_GT(report.at("rows")[1].at("psnr_db").get<double>(), 40);
+  EXPECT_EQ(report, json::parse(read_file(folder_ / "report" / "adaptive-sh.json", kMostBytes)));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "report" / "adaptive-sh-orange-studio.gp"));
+
+  const ProgramResult bad = run_program({"report", "adaptive-sh", "--mesh", "teapot"});
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_THAT(bad.errors, HasSubstr("--mesh: found \"teapot\""));
+  EXPECT_EQ(run_program({"report", "adaptive-sh", "--degree", "40"}).status, 2);
+}
+
 TEST_F(Program, ABakeKeepsTheErrorAskedFor) {
   write(folder_ / "scene.json", small_scene(32));
   double bytes = 0;

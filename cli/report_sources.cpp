@@ -1,0 +1,35 @@
+#include "cli/report_sources.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+
+#include "core/base/error.h"
+#include "core/scene/mesh_file.h"
+
+namespace rimlight {
+
+NamedMesh find_mesh(const std::string& name, const Scene& builtin) {
+  const std::filesystem::path file(name);
+  if (file.has_extension()) {
+    return {file.stem().string(), read_mesh_file(file, FileMaterials::ignore).meshes};
+  }
+  NamedMesh found{name, {}};
+  std::ranges::copy_if(builtin.meshes, std::back_inserter(found.meshes),
+                       [&](const Mesh& mesh) { return mesh.name == name; });
+  if (found.meshes.empty()) {
+    throw Error("--mesh", quote(name), "a part of the default scene, or a .obj, .ply or .glb file");
+  }
+  return found;
+}
+
+std::shared_ptr<const Environment> find_light(const std::string& name) {
+  if (std::ranges::count(builtin_environment_names(), name) > 0) {
+    return std::make_shared<const Environment>(builtin_environment(name));
+  }
+  const std::filesystem::path file(name);
+  if (file.has_extension()) return std::make_shared<const Environment>(load_environment(file));
+  throw Error("--light", quote(name), "a built-in environment, or a .hdr or .exr file");
+}
+
+}  // namespace rimlight
