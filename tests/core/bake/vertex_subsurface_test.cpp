@@ -87,7 +87,8 @@ TEST(VertexSubsurface, EvenLightOnAFlatSurfaceStaysAndNoneIsMade) {
     for (std::size_t i = 0; i < light.size(); ++i) {
       const Vec3f& p = prepared.mesh.positions[i];
       EXPECT_LE(light[i], 1 + 1e-6f);
-      if (std::max(std::abs(p.x), std::abs(p.z)) < 0.4f) EXPECT_GT(light[i], 0.9f) << scattering;
+      if (std::max(std::abs(p.x), std::abs(p.z)) > 0.4f) continue;
+      EXPECT_GT(light[i], 0.9f) << scattering;
     }
   }
 }

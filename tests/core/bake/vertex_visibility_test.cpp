@@ -21,25 +21,31 @@ constexpr double kPi = std::numbers::pi;
 constexpr Vec3d kBall{0.4, 3, -0.7};
 constexpr double kRadius = 1;
 
-/// A small square that looks up at a ball.
-PreparedVertices square_under_ball(bool highlight) {
-  Mesh square = quad({-0.1f, 0, -0.1f}, {0.2f, 0, 0}, {0, 0, 0.2f}, 0);
-  square.normals.assign(4, {0, 1, 0});
-  auto scene = scene_of({square, test_sphere(Vec3f(kBall), kRadius, 96)});
-  if (highlight) {
-    scene->materials[0].brdf.model = BrdfModel::phong;
-    scene->materials[0].brdf.specular = {0.2f, 0.2f, 0.2f};
-  }
-  return prepare_vertices(*scene);
-}
+/// A small square that looks up at a ball: rays start from the square only.
+struct SquareUnderBall {
+  PreparedVertices square;
+  RayScene rays = ray_scene_of(prepare_vertices(*scene_of(meshes())).mesh);
 
-std::vector<std::size_t> square_vertices(const PreparedVertices& prepared) {
-  std::vector<std::size_t> found;
-  for (std::size_t i = 0; i < prepared.mesh.positions.size(); ++i) {
-    if (prepared.mesh.positions[i].y == 0) found.push_back(i);
+  explicit SquareUnderBall(bool highlight) {
+    auto scene = scene_of({meshes()[0]});
+    if (highlight) {
+      scene->materials[0].brdf.model = BrdfModel::phong;
+      scene->materials[0].brdf.specular = {0.2f, 0.2f, 0.2f};
+    }
+    square = prepare_vertices(*scene);
   }
-  return found;
-}
+
+  static std::vector<Mesh> meshes() {
+    Mesh square = quad({-0.1f, 0, -0.1f}, {0.2f, 0, 0}, {0, 0, 0.2f}, 0);
+    square.normals.assign(4, {0, 1, 0});
+    return {square, test_sphere(Vec3f(kBall), kRadius, 96)};
+  }
+
+  const VertexMesh& mesh() const { return square.mesh; }
+  VertexVisibility trace(const RaySettings& settings, const ShareDone& done = {}) const {
+    return shadowed_visibility(rays, square.mesh, square.highlight_count, settings, done);
+  }
+};
 
 /// ∫ P_l over [c, 1] = (P_{l−1}(c) − P_{l+1}(c))/(2l + 1).
 sh::ZonalLobe cap_lobe(double cosine, int degree) {
@@ -106,19 +112,15 @@ TEST(VertexVisibility, AConvexObjectSeesTheWholeSkyExactly) {
 }
 
 TEST(VertexVisibility, UnderABallIsTheHemisphereWithoutACap) {
-  const PreparedVertices prepared = square_under_ball(true);
-  const RayScene rays = ray_scene_of(prepared.mesh);
+  const SquareUnderBall scene(true);
   const RaySettings settings{.degree = 8, .error = 0.002, .most_rays = 1 << 16, .seed = 3};
-  const auto found =
-      shadowed_visibility(rays, prepared.mesh, prepared.highlight_count, settings, {});
+  const auto found = scene.trace(settings);
   const std::size_t count = sh::coefficient_count(settings.degree);
   const auto sky = sh::turned_lobe(
       sh::sampled_lobe([](double c) { return c > 0 ? 1.0 : 0.0; }, settings.degree), {0, 1, 0});
   const auto cosine = sh::turned_lobe(sh::clamped_cosine_lobe(settings.degree), {0, 1, 0});
-  const auto vertices = square_vertices(prepared);
-  ASSERT_EQ(vertices.size(), 4u);
-  for (const std::size_t v : vertices) {
-    const Vec3d to_ball = kBall - Vec3d(prepared.mesh.positions[v]);
+  for (std::size_t v = 0; v < 4; ++v) {
+    const Vec3d to_ball = kBall - Vec3d(scene.mesh().positions[v]);
     const double sine = kRadius / length(to_ball);
     const auto cap =
         sh::turned_lobe(cap_lobe(std::sqrt(1 - sine * sine), settings.degree), to_ball);
@@ -139,9 +141,7 @@ TEST(VertexVisibility, UnderABallIsTheHemisphereWithoutACap) {
 
 TEST(VertexVisibility, TheErrorIsBelowWhatItClaims) {
   for (const bool highlight : {false, true}) {
-    const PreparedVertices prepared = square_under_ball(highlight);
-    const RayScene rays = ray_scene_of(prepared.mesh);
-    const auto vertices = square_vertices(prepared);
+    const SquareUnderBall scene(highlight);
     const std::size_t count = sh::coefficient_count(6);
     const auto cosine = sh::turned_lobe(sh::clamped_cosine_lobe(6), {0, 1, 0});
     double squares = 0, claimed = 0;
@@ -151,10 +151,9 @@ TEST(VertexVisibility, TheErrorIsBelowWhatItClaims) {
                                  .error = 0.01,
                                  .most_rays = 1 << 16,
                                  .seed = static_cast<std::uint64_t>(seed)};
-      const auto found =
-          shadowed_visibility(rays, prepared.mesh, prepared.highlight_count, settings, {});
-      for (const std::size_t v : vertices) {
-        const auto cap = hidden(kBall - Vec3d(prepared.mesh.positions[v]), 6, true);
+      const auto found = scene.trace(settings);
+      for (std::size_t v = 0; v < 4; ++v) {
+        const auto cap = hidden(kBall - Vec3d(scene.mesh().positions[v]), 6, true);
         std::vector<double> expected(count);
         for (std::size_t i = 0; i < count; ++i) expected[i] = cosine[i] - cap[i];
         squares +=
@@ -169,25 +168,21 @@ TEST(VertexVisibility, TheErrorIsBelowWhatItClaims) {
 }
 
 TEST(VertexVisibility, TheCapOnRaysIsKeptAndSaid) {
-  const PreparedVertices prepared = square_under_ball(false);
-  const RayScene rays = ray_scene_of(prepared.mesh);
-  const auto found = shadowed_visibility(
-      rays, prepared.mesh, 0, {.degree = 10, .error = 1e-4, .most_rays = 300, .seed = 1}, {});
-  for (const std::size_t v : square_vertices(prepared)) {
+  const SquareUnderBall scene(false);
+  const auto found = scene.trace({.degree = 10, .error = 1e-4, .most_rays = 300, .seed = 1});
+  for (std::size_t v = 0; v < 4; ++v) {
     EXPECT_EQ(found.rays[v], 256u);
     EXPECT_GT(found.error[v], 1e-4f);
   }
 }
 
 TEST(VertexVisibility, DoesNotDependOnThreads) {
-  const PreparedVertices prepared = square_under_ball(true);
-  const RayScene rays = ray_scene_of(prepared.mesh);
+  const SquareUnderBall scene(true);
   const RaySettings settings{.degree = 5, .error = 0.02};
   std::vector<double> told;
-  const auto all = shadowed_visibility(rays, prepared.mesh, prepared.highlight_count, settings,
-                                       [&](double share) { told.push_back(share); });
+  const auto all = scene.trace(settings, [&](double share) { told.push_back(share); });
   set_thread_count(1);
-  const auto one = shadowed_visibility(rays, prepared.mesh, prepared.highlight_count, settings, {});
+  const auto one = scene.trace(settings);
   set_thread_count(0);
   EXPECT_EQ(all.irradiance, one.irradiance);
   EXPECT_EQ(all.visibility, one.visibility);
