@@ -1,5 +1,6 @@
 #include "core/scene/scene_source.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
