@@ -21,6 +21,7 @@ struct Corner {
   std::uint64_t morton = 0;
   std::uint32_t material = 0;
   Vec3f position, normal, tint;
+  bool computed_normal = false;
 };
 
 auto key(const Corner& c) {
@@ -54,19 +55,17 @@ bool is_direction(const Vec3f& v) {
   return squared > 1e-12f && squared < 1e12f;
 }
 
-/// Unit normals for all vertices: the mesh's own, else smooth ones, else that of a triangle (where
-/// those around a vertex cancel out). Adds to `computed`, which counts vertices of triangles only.
-void complete_normals(Mesh& mesh, const std::vector<bool>& used, std::size_t& computed) {
+/// Unit normals for all used vertices: the mesh's own, else smooth ones, else that of a triangle
+/// (where those around a vertex cancel out). Tells which are not the mesh's own.
+std::vector<bool> complete_normals(Mesh& mesh, const std::vector<bool>& used) {
   std::vector<Vec3f> own(mesh.normals);
   own.resize(mesh.positions.size());
-  const auto is_good = [&](std::size_t i) { return !used[i] || is_direction(own[i]); };
-  std::size_t missing = 0;
-  for (std::size_t i = 0; i < own.size(); ++i) missing += is_good(i) ? 0 : 1;
-  computed += missing;
-  if (missing > 0) smooth_normals(mesh);
+  std::vector<bool> missing(own.size());
+  for (std::size_t i = 0; i < own.size(); ++i) missing[i] = used[i] && !is_direction(own[i]);
+  if (std::ranges::find(missing, true) != missing.end()) smooth_normals(mesh);
   for (const Triangle& t : mesh.triangles) {
     for (const std::uint32_t i : t) {
-      if (is_good(i)) continue;
+      if (is_direction(own[i])) continue;
       const Vec3d a(mesh.positions[t[0]]);
       const Vec3d across = cross(Vec3d(mesh.positions[t[1]]) - a, Vec3d(mesh.positions[t[2]]) - a);
       own[i] = is_direction(mesh.normals[i]) ? mesh.normals[i] : Vec3f(normalized(across));
@@ -76,6 +75,7 @@ void complete_normals(Mesh& mesh, const std::vector<bool>& used, std::size_t& co
     if (used[i]) own[i] = Vec3f(normalized(Vec3d(own[i])));
   }
   mesh.normals = std::move(own);
+  return missing;
 }
 
 Vec3f tint_at(const Mesh& mesh, const Material& material, std::size_t vertex) {
@@ -103,7 +103,7 @@ class Joiner {
     for (const Triangle& t : mesh.triangles) {
       for (const std::uint32_t i : t) used[i] = true;
     }
-    complete_normals(mesh, used, result_.computed_normals);
+    const std::vector<bool> computed = complete_normals(mesh, used);
     const bool has_highlight = max_component(result_.materials[mesh.material].highlight) > 0;
     std::vector<std::uint32_t> place(mesh.positions.size());
     for (std::size_t i = 0; i < place.size(); ++i) {
@@ -115,7 +115,7 @@ class Joiner {
       corners_.push_back({!has_highlight, morton_code(mesh.positions[i], bounds_, side_),
                           mesh.material, without_signed_zero(mesh.positions[i]),
                           without_signed_zero(mesh.normals[i]),
-                          tint_at(mesh, scene_.materials[mesh.material], i)});
+                          tint_at(mesh, scene_.materials[mesh.material], i), computed[i]});
     }
     for (const Triangle& t : mesh.triangles) {
       triangles_.push_back({place[t[0]], place[t[1]], place[t[2]]});
@@ -155,6 +155,7 @@ class Joiner {
     mesh.materials.push_back(corner.material);
     mesh.tints.push_back(corner.tint);
     if (!corner.without_highlight) ++result_.highlight_count;
+    if (corner.computed_normal) ++result_.computed_normals;
   }
 
   const Scene& scene_;

@@ -226,6 +226,7 @@ VertexBakeSummary bake_vertices(const std::shared_ptr<const Scene>& scene,
                                 const std::filesystem::path& folder, const Progress& progress) {
   const Stopwatch watch;
   const PreparedVertices prepared = prepare_vertices(*scene);
+  check_size(*scene, prepared);
   BakeWriter writer(folder);  // early: a folder that is no bake is told before the work
   const CalculatedVertices calculated = calculate_vertices(*scene, prepared, progress);
   if (progress) progress({"writing", 0});

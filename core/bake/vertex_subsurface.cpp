@@ -14,7 +14,7 @@ namespace {
 /// What lies farther away than so much of a medium's light is left out.
 constexpr double kLeftOut = 1e-3;
 /// A cluster counts as one at this many of its radii.
-constexpr double kFar = 3;
+constexpr double kFar = 2;
 
 Vec3d at(const VertexMesh& mesh, std::size_t vertex) { return Vec3d(mesh.positions[vertex]); }
 

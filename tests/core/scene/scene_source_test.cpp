@@ -1,5 +1,6 @@
 #include "core/scene/scene_source.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -168,6 +169,68 @@ TEST(SceneSource, FieldsArriveWhereTheyBelong) {
   EXPECT_EQ(scene.bake.bounces, 5);
   EXPECT_EQ(scene.bake.psnr_db, 42.5);
   EXPECT_EQ(scene.bake.seed, 77u);
+}
+
+/// A scene that is fine but for what is given.
+std::string scene_with(const std::string& material, const std::string& bake) {
+  return R"({"camera": {"position": [0, 0, 3], "target": [0, 0, 0]},
+    "materials": {"m": )" +
+         material + R"(}, "objects": [{"shape": "disc", "material": "m"}], "bake": )" + bake + "}";
+}
+
+TEST(SceneSource, BakesOfVerticesHaveFieldsOfTheirOwn) {
+  const std::string grey = R"({"model": "lambert"})";
+  const BakeSettings bake =
+      parse(scene_with(grey, R"({"kind": "vertex_sh", "degree": 20, "error": 0.005, "seed": 8,
+        "transfer": "shadowed", "most_rays": 64, "keep_bands": true, "width": 30, "height": 40})"))
+          .bake;
+  EXPECT_EQ(bake.kind, BakeKind::vertex_sh);
+  EXPECT_EQ(bake.vertex.degree, 20);
+  EXPECT_EQ(bake.vertex.error, 0.005);
+  EXPECT_EQ(bake.vertex.transfer, VertexTransfer::shadowed);
+  EXPECT_EQ(bake.vertex.most_rays, 64);
+  EXPECT_TRUE(bake.vertex.keep_bands);
+  EXPECT_EQ(bake.seed, 8u);
+  EXPECT_EQ(bake.width, 30);
+  EXPECT_EQ(bake.height, 40);
+  EXPECT_EQ(parse(scene_with(grey, R"({"kind": "image_haar"})")).bake.kind, BakeKind::image_haar);
+  EXPECT_EQ(parse(scene_with(grey, "{}")).bake.kind, BakeKind::image_haar);
+  EXPECT_EQ(parse(scene_with(grey, R"({"kind": "vertex_sh"})")).bake.vertex.degree, 10);
+  for (const auto& [fields, pointer] : std::vector<std::pair<std::string, std::string>>{
+           {R"("kind": "vertex_sh", "degree": 21)", "/bake/degree"},
+           {R"("kind": "vertex_sh", "degree": -1)", "/bake/degree"},
+           {R"("kind": "vertex_sh", "degree": 1.5)", "/bake/degree"},
+           {R"("kind": "vertex_sh", "error": 0)", "/bake/error"},
+           {R"("kind": "vertex_sh", "transfer": "all")", "/bake/transfer"},
+           {R"("kind": "vertex_sh", "most_rays": 63)", "/bake/most_rays"},
+           {R"("kind": "vertex_sh", "keep_bands": 1)", "/bake/keep_bands"},
+           {R"("kind": "vertex_sh", "cube_size": 32)", "cube_size"},
+           {R"("kind": "cloud")", "/bake/kind"},
+           {R"("degree": 4)", "degree"}}) {
+    EXPECT_THAT(test::error_of([&, f = fields] { parse(scene_with(grey, "{" + f + "}")); }),
+                testing::HasSubstr(pointer))
+        << fields;
+  }
+}
+
+TEST(SceneSource, AMaterialMayBeTranslucent) {
+  const Scene scene = parse(scene_with(
+      R"({"model": "phong", "subsurface": {"absorption": [0, 0.5, 2], "scattering": 7, "eta": 1.5}})",
+      "{}"));
+  ASSERT_TRUE(scene.materials[0].subsurface.has_value());
+  EXPECT_EQ(scene.materials[0].subsurface->absorption, Vec3f(0, 0.5f, 2));
+  EXPECT_EQ(scene.materials[0].subsurface->scattering, Vec3f::filled(7));
+  EXPECT_EQ(scene.materials[0].subsurface->eta, 1.5f);
+  for (const char* const bad : {R"({"absorption": 1})", R"({"absorption": -1, "scattering": 1})",
+                                R"({"absorption": 1, "scattering": 0})",
+                                R"({"absorption": 1, "scattering": 1, "eta": 0.9})"}) {
+    EXPECT_THAT(test::error_of([&] {
+                  parse(scene_with(
+                      std::string(R"({"model": "lambert", "subsurface": )") + bad + "}", "{}"));
+                }),
+                testing::HasSubstr("subsurface"))
+        << bad;
+  }
 }
 
 TEST(SceneSource, WhatIsLeftOutHasItsDefault) {

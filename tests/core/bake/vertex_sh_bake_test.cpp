@@ -1,0 +1,195 @@
+#include "core/bake/vertex_sh_bake.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/base/files.h"
+#include "core/base/parallel.h"
+#include "core/basis/sh.h"
+#include "core/basis/sh_zonal.h"
+#include "core/transport/vertex_bake.h"
+#include "tests/core/bake/bake_scenes.h"
+#include "tests/core/scene/scene_cases.h"
+#include "tests/support/error_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rimlight {
+namespace {
+
+/// A red ball with a highlight over a grey floor.
+std::shared_ptr<Scene> ball_scene() {
+  auto scene = std::make_shared<Scene>();
+  scene->name = "ball";
+  scene->camera.position = {0, 2, 5};
+  Material red = lambert(0.5f);
+  red.brdf = {.model = BrdfModel::phong,
+              .albedo = {0.8f, 0.1f, 0.1f},
+              .specular = {0.1f, 0.1f, 0.1f},
+              .exponent = 20};
+  scene->materials = {lambert(0.5f), red};
+  scene->meshes = {quad({-3, 0, -3}, {6, 0, 0}, {0, 0, 6}, 0), test_sphere({0, 1.2f, 0}, 1, 10)};
+  scene->meshes[0].normals.assign(4, {0, 1, 0});
+  for (const Vec3f& p : scene->meshes[1].positions) {
+    scene->meshes[1].normals.push_back(Vec3f(normalized(Vec3d(p) - Vec3d(0, 1.2, 0))));
+  }
+  scene->meshes[1].material = 1;
+  scene->environments.emplace_back("even", RgbImage(4, 2), EnvironmentLayout::lat_long);
+  scene->bake.kind = BakeKind::vertex_sh;
+  scene->bake.width = 300;
+  scene->bake.height = 200;
+  scene->bake.vertex = {.degree = 5, .error = 0.02};
+  return scene;
+}
+
+std::map<std::string, std::string> contents(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    files[entry.path().filename().string()] = read_file(entry.path(), SIZE_MAX);
+  }
+  return files;
+}
+
+double value(const VertexTransportView& view, std::size_t vertex, std::size_t channel,
+             std::size_t i) {
+  const std::size_t count = sh::coefficient_count(view.irradiance_degree);
+  const std::size_t row = (vertex / 64 * view.irradiance_channels + channel) * count + i;
+  return to_float(view.irradiance[row * 64 + vertex % 64]);
+}
+
+TEST(VertexShBake, WritesWhatTheSceneAsksFor) {
+  const test::TemporaryFolder folder;
+  std::vector<std::string> stages;
+  const auto scene = ball_scene();
+  scene->bake.vertex.keep_bands = true;
+  const VertexBakeSummary summary =
+      bake_vertices(scene, folder / "a.bake", [&](const BakeProgress& progress) {
+        if (stages.empty() || stages.back() != progress.stage) stages.push_back(progress.stage);
+        EXPECT_TRUE(progress.fraction >= 0 && progress.fraction <= 1);
+      });
+  EXPECT_EQ(stages, (std::vector<std::string>{"tracing visibility", "tracing surfaces",
+                                              "bouncing light", "writing"}));
+  const VertexBake bake(folder / "a.bake");
+  bake.verify();
+  EXPECT_EQ(bake.scene(), "ball");
+  EXPECT_EQ(bake.width(), 300);
+  EXPECT_EQ(bake.camera().position, Vec3d(0, 2, 5));
+  EXPECT_EQ(summary.vertices, bake.transport().vertex_count);
+  EXPECT_EQ(bake.transport().highlight_count, summary.vertices - 4);
+  EXPECT_EQ(bake.settings()["degree"], 5);
+  EXPECT_EQ(bake.settings()["transfer"], "interreflected");
+  EXPECT_EQ(bake.left_out()["visibility"]["vertices_left_out"], 4);
+  EXPECT_GT(bake.measured()["visibility"]["rays"].get<std::size_t>(), 1000u);
+  EXPECT_EQ(bake.environments().size(), 1u);
+  EXPECT_EQ(bake.transport().irradiance_channels, 3u);  // red light on the floor
+  EXPECT_LE(summary.worst_error, 0.02);
+}
+
+TEST(VertexShBake, RedComesFromTheBallAndItsBottomIsDark) {
+  auto scene = ball_scene();
+  scene->bake.vertex.keep_bands = true;
+  const PreparedVertices prepared = prepare_vertices(*scene);
+  const auto calculated = calculate_vertices(*scene, prepared, {});
+  const auto& channels = calculated.transport.irradiance;
+  ASSERT_EQ(channels.size(), 3u);
+  int floors = 0;
+  for (std::size_t v = 0; v < prepared.mesh.positions.size(); ++v) {
+    const double red = channels[0][v * 36], blue = channels[2][v * 36];
+    if (prepared.mesh.positions[v].y == 0) {
+      EXPECT_GT(red, blue);
+      ++floors;
+    }
+    // c00 of the clamped cosine is √π/2.
+    EXPECT_LT(red, std::sqrt(std::numbers::pi) / 2 * 1.03);
+    EXPECT_GE(red, 0);
+  }
+  EXPECT_EQ(floors, 4);
+}
+
+TEST(VertexShBake, TheBytesDoNotDependOnThreads) {
+  const test::TemporaryFolder folder;
+  bake_vertices(ball_scene(), folder / "all.bake", {});
+  set_thread_count(1);
+  bake_vertices(ball_scene(), folder / "one.bake", {});
+  set_thread_count(3);
+  bake_vertices(ball_scene(), folder / "three.bake", {});
+  set_thread_count(0);
+  const auto all = contents(folder / "all.bake");
+  ASSERT_EQ(all.size(), 5u);
+  EXPECT_EQ(all, contents(folder / "one.bake"));
+  EXPECT_EQ(all, contents(folder / "three.bake"));
+}
+
+TEST(VertexShBake, UnshadowedTransportIsTheClampedCosine) {
+  const test::TemporaryFolder folder;
+  auto scene = ball_scene();
+  scene->bake.vertex.transfer = VertexTransfer::unshadowed;
+  scene->bake.vertex.keep_bands = true;
+  const VertexBakeSummary summary = bake_vertices(scene, folder / "a.bake", {});
+  EXPECT_EQ(summary.rays, 0u);
+  const VertexBake bake(folder / "a.bake");
+  EXPECT_EQ(bake.transport().irradiance_channels, 1u);
+  const auto lobe = sh::clamped_cosine_lobe(5);
+  for (std::size_t v = 0; v < bake.mesh().normals.size(); ++v) {
+    const auto expected = sh::turned_lobe(lobe, Vec3d(bake.mesh().normals[v]));
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_NEAR(value(bake.transport(), v, 0, i), expected[i], 1e-3);  // halves
+    }
+  }
+}
+
+TEST(VertexShBake, ShadowsTakeLightAndBouncesGiveSomeBack) {
+  const auto mean_light = [](VertexTransfer transfer) {
+    auto scene = ball_scene();
+    scene->bake.vertex.transfer = transfer;
+    const PreparedVertices prepared = prepare_vertices(*scene);
+    const auto calculated = calculate_vertices(*scene, prepared, {});
+    double sum = 0;
+    for (std::size_t v = 0; v < prepared.mesh.positions.size(); ++v) {
+      sum += calculated.transport.irradiance[0][v * 36];
+    }
+    return sum;
+  };
+  const double whole = mean_light(VertexTransfer::unshadowed);
+  const double shadowed = mean_light(VertexTransfer::shadowed);
+  const double all = mean_light(VertexTransfer::interreflected);
+  EXPECT_LT(shadowed, 0.9 * whole);
+  EXPECT_GT(all, 1.05 * shadowed);
+  EXPECT_LT(all, whole);
+}
+
+TEST(VertexShBake, ATranslucentBallIsLitBelow) {
+  auto scene = ball_scene();
+  scene->bake.vertex.transfer = VertexTransfer::shadowed;
+  const auto lowest = [&] {
+    const PreparedVertices prepared = prepare_vertices(*scene);
+    const auto calculated = calculate_vertices(*scene, prepared, {});
+    const auto& positions = prepared.mesh.positions;
+    std::size_t found = 0;
+    for (std::size_t v = 0; v < prepared.highlight_count; ++v) {
+      if (positions[v].y < positions[found].y) found = v;
+    }
+    return calculated.transport.irradiance[0][found * 36];
+  };
+  const float opaque = lowest();
+  scene->materials[1].subsurface = Subsurface{{0.01f, 0.1f, 1}, {1, 1, 1}, 1.3f};
+  EXPECT_GT(lowest(), 1.5f * opaque);
+}
+
+TEST(VertexShBake, ErrorsLeaveNothingBehind) {
+  const test::TemporaryFolder folder;
+  auto scene = ball_scene();
+  scene->bake.vertex.degree = 21;
+  EXPECT_THAT(test::error_of([&] { bake_vertices(scene, folder / "a.bake", {}); }),
+              testing::HasSubstr("degree 21, expected 0 to 20"));
+  scene = ball_scene();
+  scene->meshes.clear();
+  EXPECT_THAT(test::error_of([&] { bake_vertices(scene, folder / "a.bake", {}); }),
+              testing::HasSubstr("no triangles"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace rimlight
