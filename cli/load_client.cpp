@@ -125,11 +125,7 @@ class Player {
     const server::Revision revision{reply.member("epoch").integer(0, server::kLargestWhole),
                                     reply.member("revision").integer(0, server::kLargestWhole)};
     if (revision < record_.state_revision) return;
-    const JsonReader state = reply.member("state");
-    const std::vector<double> q = state.member("rotation").numbers(4, -2, 2);
-    record_.state_revision = revision;
-    record_.state = {state.member("environment").string(), Quaternion{q[0], q[1], q[2], q[3]},
-                     state.member("exposure").number()};
+    record_.state = server::read_state(reply.member("state"));
   }
 
   void take_frame(std::vector<std::uint8_t> bytes) {

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "core/image/codec.h"
-#include "core/relight/frame_renderer.h"
+#include "server/session/baked_scene.h"
 
 namespace rimlight {
 namespace {
@@ -42,13 +42,13 @@ std::string fault_of_last_frame(const LoadRecord& record) {
 }
 
 /// How many bytes of the last frame differ from the exact render of its state, in words.
-std::string fault_of_pixels(const LoadRecord& record, FrameRenderer& renderer) {
+std::string fault_of_pixels(const LoadRecord& record, server::FrameSource& source) {
   if (!fault_of_last_frame(record).empty()) return "no exact last frame";
   const Rgb8Image got =
       decode_png(record.last_payload.data(), record.last_payload.size(), "the last frame");
   Rgb8Image expected;
   FrameReport report;
-  if (!renderer.render_exact(record.state, expected, report)) return "the render was abandoned";
+  if (!source.render_exact(record.state, expected, report, {})) return "the render was abandoned";
   if (got.width != expected.width || got.height != expected.height) return "another size";
   std::size_t different = 0;
   for (std::size_t i = 0; i < expected.bytes.size(); ++i) {
@@ -106,9 +106,10 @@ LoadCheck compare_with_bake(const std::vector<LoadRecord>& records,
                             const std::string& bake_folder) {
   const std::string name = "the last frame equals rimlight render";
   if (bake_folder.empty()) return {name, std::nullopt, "not run: no --bake"};
-  FrameRenderer renderer(std::make_shared<const Bake>(bake_folder), RelightSettings{});
+  const server::ServedScene scene = server::open_scene(bake_folder, {});
+  const auto source = scene.make_source();
   return check_all(name, records,
-                   [&](const LoadRecord& record) { return fault_of_pixels(record, renderer); });
+                   [&](const LoadRecord& record) { return fault_of_pixels(record, *source); });
 }
 
 bool LoadReport::passed() const {

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "core/image/codec.h"
 #include "core/image/image_file.h"
 #include "core/relight/frame_renderer.h"
+#include "core/vertices/vertex_renderer.h"
 
 namespace rimlight {
 namespace {
@@ -22,14 +24,16 @@ struct RenderOptions {
   std::string folder;
   std::string light;
   std::vector<double> rotation{0, 0, 0, 1};
+  std::vector<double> view;  // position and target; empty: the bake's own
   double exposure = 0;
   std::string output = "rimlight.png";
   int threads = 0;
   bool json = false;
 };
 
-bool has_environment(const Bake& bake, const std::string& name) {
-  const auto& all = bake.environments();
+using Environments = std::vector<BakedEnvironment>;
+
+bool has_environment(const Environments& all, const std::string& name) {
   return std::any_of(all.begin(), all.end(),
                      [&](const auto& one) { return one.environment->name() == name; });
 }
@@ -44,15 +48,27 @@ Quaternion unit_rotation(const std::vector<double>& numbers) {
   return normalized(given);
 }
 
-/// The bake's environment of that name, or a file's, added to the renderer.
-std::string choose_light(const RenderOptions& options, FrameRenderer& renderer) {
-  const Bake& bake = renderer.bake();
-  if (options.light.empty()) return bake.environments().front().environment->name();
-  if (has_environment(bake, options.light)) return options.light;
+/// The camera that --view asks for, if it does, with the rest of the bake's own.
+std::optional<Camera> chosen_view(const RenderOptions& options, Camera camera) {
+  const std::vector<double>& v = options.view;
+  if (v.empty()) return std::nullopt;
+  camera.position = {v[0], v[1], v[2]};
+  camera.target = {v[3], v[4], v[5]};
+  check_camera(camera, "--view");
+  return camera;
+}
+
+/// The bake's environment of that name, or a file's, added to the renderer: a FrameRenderer or a
+/// VertexRenderer.
+template <typename Renderer>
+std::string choose_light(const RenderOptions& options, const Environments& environments,
+                         Renderer& renderer) {
+  if (options.light.empty()) return environments.front().environment->name();
+  if (has_environment(environments, options.light)) return options.light;
   const std::filesystem::path file(options.light);
   if (!file.has_extension()) {
     std::string names;
-    for (const auto& one : bake.environments()) names += " " + quote(one.environment->name());
+    for (const auto& one : environments) names += " " + quote(one.environment->name());
     throw Error("--light", quote(options.light), "one of" + names + ", or a .hdr or .exr file");
   }
   auto environment = std::make_shared<const Environment>(load_environment(file));
@@ -60,18 +76,12 @@ std::string choose_light(const RenderOptions& options, FrameRenderer& renderer) 
   return environment->name();
 }
 
-int run(const RenderOptions& options) {
-  if (options.threads > 0) set_thread_count(options.threads);
+/// Writes the picture of a state; answers how it came about.
+template <typename Renderer>
+FrameReport render(const RenderOptions& options, const DesignState& state, Renderer& renderer) {
   const std::filesystem::path output(options.output);
-  const std::string ending = output.extension().string();
-  if (ending != ".png" && ending != ".exr") {
-    throw Error("--output", quote(options.output), "a name that ends in .png or .exr");
-  }
-  FrameRenderer renderer(std::make_shared<const Bake>(options.folder), {});
-  const DesignState state{choose_light(options, renderer), unit_rotation(options.rotation),
-                          options.exposure};
   FrameReport report;
-  if (ending == ".exr") {
+  if (output.extension() == ".exr") {
     RgbImage image;
     renderer.render_radiance(state, image, report);
     write_exr(output, image);
@@ -81,6 +91,49 @@ int run(const RenderOptions& options) {
     std::vector<std::uint8_t> png;
     encode_png(frame, png);
     write_file_atomically(output, {reinterpret_cast<const char*>(png.data()), png.size()});
+  }
+  return report;
+}
+
+DesignState state_of(const RenderOptions& options, const std::string& light) {
+  return {light, unit_rotation(options.rotation), options.exposure};
+}
+
+void render_image_bake(const RenderOptions& options, DesignState& state, FrameReport& report) {
+  if (!options.view.empty()) {
+    throw Error("--view", "a bake of kind image_haar, the image of one camera",
+                "a bake of kind vertex_sh");
+  }
+  FrameRenderer renderer(std::make_shared<const Bake>(options.folder), {});
+  state = state_of(options, choose_light(options, renderer.bake().environments(), renderer));
+  report = render(options, state, renderer);
+}
+
+void render_vertex_bake(const RenderOptions& options, DesignState& state, FrameReport& report) {
+  const auto scene = std::make_shared<const VertexScene>(
+      vertex_scene_of(std::make_shared<const VertexBake>(options.folder)));
+  VertexRenderer renderer(scene, {});
+  state = state_of(options, choose_light(options, scene->environments, renderer));
+  state.view = chosen_view(options, scene->camera);
+  report = render(options, state, renderer);
+}
+
+int run(const RenderOptions& options) {
+  if (options.threads > 0) set_thread_count(options.threads);
+  const std::filesystem::path output(options.output);
+  const std::string ending = output.extension().string();
+  if (ending != ".png" && ending != ".exr") {
+    throw Error("--output", quote(options.output), "a name that ends in .png or .exr");
+  }
+  DesignState state;
+  FrameReport report;
+  if (bake_kind(options.folder) == kVertexKind) {
+    render_vertex_bake(options, state, report);
+  } else {
+    render_image_bake(options, state, report);
+  }
+  for (const std::string& words : report.unshown) {
+    std::fprintf(stderr, "rimlight render: not shown: %s\n", words.c_str());
   }
   if (options.json) {
     const nlohmann::json result = {
@@ -105,6 +158,12 @@ void add_render_command(CLI::App& app, Action& chosen) {
   command->add_option("--rotation", options->rotation, "Quaternion x,y,z,w that turns the light")
       ->delimiter(',')
       ->expected(4);
+  command
+      ->add_option("--view", options->view,
+                   "Position and target x,y,z,x,y,z of the camera; for bakes of kind vertex_sh "
+                   "(default: the bake's own)")
+      ->delimiter(',')
+      ->expected(6);
   command->add_option("--exposure", options->exposure, "Stops; 0 is the bake's own exposure")
       ->check(number_range(-20, 20));
   command->add_option("-o,--output", options->output, "Picture to write")->capture_default_str();

@@ -12,7 +12,6 @@
 #include "cli/serve_config.h"
 #include "core/base/error.h"
 #include "core/relight/policy_settings.h"
-#include "core/transport/bake_folder.h"
 #include "server/schedule/render_queue.h"
 #include "server/session/baked_scene.h"
 
@@ -63,10 +62,7 @@ ServeConfig merge(const ServeOptions& options) {
 server::SceneCatalog open_scenes(const ServeConfig& config) {
   std::vector<server::ServedScene> scenes;
   for (const std::filesystem::path& folder : config.bakes) {
-    auto bake = std::make_shared<const Bake>(folder);
-    FrameRenderer::prepare(
-        *bake, config.relight);  // else the first frame of each environment would wait for it
-    scenes.push_back(server::serve_bake(std::move(bake), config.relight));
+    scenes.push_back(server::open_scene(folder, {config.relight, {}}));
     spdlog::info("opened {}: {}x{}, {} environments", folder.string(), scenes.back().width,
                  scenes.back().height, scenes.back().environments.size());
   }

@@ -60,6 +60,12 @@ int light_degree(const VertexTransportView& transport) {
   return std::max(transport.irradiance_degree, of_highlights);
 }
 
+std::shared_ptr<const TriangleTree> tree_of(const VertexScene& scene) {
+  if (scene.tree) return scene.tree;
+  return std::make_shared<const TriangleTree>(scene.mesh->positions, scene.mesh->triangles,
+                                              scene.name);
+}
+
 std::shared_ptr<const VertexScene> checked(std::shared_ptr<const VertexScene> scene) {
   RIMLIGHT_CHECK(scene != nullptr);
   check_vertex_scene(*scene);
@@ -86,8 +92,7 @@ struct VertexRenderer::State {
   State(std::shared_ptr<const VertexScene> scene_, const VertexSettings& settings_)
       : scene(checked(std::move(scene_))),
         settings(settings_),
-        tree(std::make_shared<const TriangleTree>(scene->mesh->positions, scene->mesh->triangles,
-                                                  scene->name)),
+        tree(tree_of(*scene)),
         quick(*scene, tree, {PixelPoint{}}),
         smooth(*scene, tree, {kSmoothPoints.begin(), kSmoothPoints.end()}),
         lighting(scene->transport),

@@ -95,4 +95,25 @@ void check_vertex_scene(const VertexScene& scene) {
   check_transport(check, scene.transport, scene.mesh->positions.size());
 }
 
+VertexScene vertex_scene_of(std::shared_ptr<const VertexBake> bake) {
+  VertexScene scene;
+  scene.name = bake->folder().string();
+  scene.mesh = std::shared_ptr<const VertexMesh>(bake, &bake->mesh());
+  scene.materials = bake->materials();
+  scene.transport = bake->transport();
+  scene.camera = bake->camera();
+  scene.width = bake->width();
+  scene.height = bake->height();
+  scene.environments = bake->environments();
+  // The settings are for people, and may lack it: colours of their own come from surfaces only.
+  const auto transfer = bake->settings().find("transfer");
+  scene.has_interreflection = transfer != bake->settings().end()
+                                  ? *transfer == "interreflected"
+                                  : scene.transport.irradiance_channels == 3;
+  scene.memory = std::move(bake);
+  scene.tree = std::make_shared<const TriangleTree>(scene.mesh->positions, scene.mesh->triangles,
+                                                    scene.name);
+  return scene;
+}
+
 }  // namespace rimlight

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "core/math/camera.h"
+#include "core/scene/g_buffer.h"
 #include "core/transport/bake_folder.h"
+#include "core/transport/vertex_bake.h"
 #include "core/transport/vertex_transport.h"
 
 namespace rimlight {
@@ -24,11 +26,16 @@ struct VertexScene {
   /// edited one.
   bool has_interreflection = false;
   std::shared_ptr<const void> memory;  // of the transport's views
+  /// The mesh for rays, shared by all who show the scene; each makes its own without one.
+  std::shared_ptr<const TriangleTree> tree;
 };
 
 /// Throws Error, naming the scene and the field, for a scene that cannot be shown: counts that do
 /// not fit each other, a material or corner that there is not, numbers that are not finite, degrees
 /// or sizes out of range, a bad camera.
 void check_vertex_scene(const VertexScene& scene);
+
+/// The scene of a bake, which it keeps alive, with its tree.
+VertexScene vertex_scene_of(std::shared_ptr<const VertexBake> bake);
 
 }  // namespace rimlight

@@ -111,6 +111,20 @@ json state_to_json(const DesignState& state) {
           {"material", material_to_json(state.materials)}};
 }
 
+DesignState read_state(const JsonReader& reader) {
+  DesignState state;
+  // As it stands: dividing by its length again could change its last bits, and those of pixels.
+  const std::vector<double> q = reader.member("rotation").numbers(4, -2, 2);
+  state.rotation = {q[0], q[1], q[2], q[3]};
+  state.environment = reader.member("environment").string();
+  state.exposure_stops = reader.member("exposure").number(-kExposureRange, kExposureRange);
+  state.view = read_view(reader.member("view"));
+  const JsonReader material = reader.member("material");
+  if (material.member("parameter").members().empty()) return state;
+  apply_material(read_material(material, {}), state.materials);
+  return state;
+}
+
 void apply_edit(const Edit& edit, DesignState& state) {
   apply_material(edit.materials, state.materials);
   if (edit.rotation) state.rotation = *edit.rotation;

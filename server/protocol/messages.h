@@ -105,5 +105,7 @@ std::string write_error(std::string_view reason);
 
 /// The state as it stands in messages: {"rotation", "environment", "exposure", "view", "material"}.
 nlohmann::json state_to_json(const DesignState& state);
+/// Reads what state_to_json() wrote. Throws Error, naming the field.
+DesignState read_state(const JsonReader& reader);
 
 }  // namespace rimlight::server

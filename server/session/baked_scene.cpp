@@ -64,10 +64,10 @@ ServedScene serve_bake(std::shared_ptr<const Bake> bake, const RelightSettings& 
   return scene;
 }
 
-ServedScene serve_vertices(std::shared_ptr<const VertexScene> vertices,
+ServedScene serve_vertices(const std::string& name, std::shared_ptr<const VertexScene> vertices,
                            const VertexSettings& settings) {
   check_vertex_scene(*vertices);
-  ServedScene scene = served_scene(vertices->name, vertices->name, vertices->environments);
+  ServedScene scene = served_scene(name, vertices->name, vertices->environments);
   scene.width = vertices->width;
   scene.height = vertices->height;
   scene.camera = vertices->camera;
@@ -77,6 +77,18 @@ ServedScene serve_vertices(std::shared_ptr<const VertexScene> vertices,
     return std::make_unique<RendererSource<VertexRenderer>>(vertices, settings);
   };
   return scene;
+}
+
+ServedScene open_scene(const std::filesystem::path& bake_folder, const DrawSettings& settings) {
+  if (bake_kind(bake_folder) == kVertexKind) {
+    const auto vertices = std::make_shared<const VertexScene>(
+        vertex_scene_of(std::make_shared<const VertexBake>(bake_folder)));
+    VertexRenderer::prepare(*vertices, settings.vertices);
+    return serve_vertices(scene_name(bake_folder), vertices, settings.vertices);
+  }
+  auto bake = std::make_shared<const Bake>(bake_folder);
+  FrameRenderer::prepare(*bake, settings.relight);
+  return serve_bake(std::move(bake), settings.relight);
 }
 
 }  // namespace rimlight::server

@@ -1,11 +1,13 @@
-// make_bake DIR.bake SIDE: bakes a small scene made here (a glossy ball, a matte one and a wall on
-// a floor) for the tests that need a real bake in seconds.
+// make_bake DIR.bake SIDE [vertex_sh]: bakes a small scene made here (a glossy ball, a matte one
+// and a wall on a floor) for the tests that need a real bake in seconds.
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <memory>
 
 #include "core/bake/image_bake.h"
+#include "core/bake/vertex_sh_bake.h"
 #include "core/light/environment.h"
 #include "core/scene/scene.h"
 
@@ -51,7 +53,7 @@ Mesh ball(const std::string& name, std::uint32_t material, const Vec3f& centre, 
   return mesh;
 }
 
-std::shared_ptr<const Scene> make_scene(int side) {
+std::shared_ptr<Scene> make_scene(int side) {
   auto scene = std::make_shared<Scene>();
   scene->name = "balls";
   scene->camera.position = {0, 1.6, 5};
@@ -79,17 +81,36 @@ std::shared_ptr<const Scene> make_scene(int side) {
   return scene;
 }
 
+/// The same scene by its vertices, the clay glazed.
+void bake_its_vertices(const std::shared_ptr<Scene>& scene, const char* folder) {
+  scene->bake.kind = BakeKind::vertex_sh;
+  scene->bake.vertex.degree = 6;
+  scene->bake.vertex.error = 0.05;
+  scene->bake.vertex.most_rays = 256;
+  Brdf& clay = scene->materials[1].brdf;
+  clay.model = BrdfModel::phong;
+  clay.specular = {0.2f, 0.2f, 0.2f};
+  clay.exponent = 20;
+  bake_vertices(scene, folder, {});
+}
+
 }  // namespace
 }  // namespace rimlight
 
 int main(int argc, char** argv) {
-  const int side = argc == 3 ? std::atoi(argv[2]) : 0;
+  const bool of_vertices = argc == 4 && std::strcmp(argv[3], "vertex_sh") == 0;
+  const int side = argc == 3 || of_vertices ? std::atoi(argv[2]) : 0;
   if (side < 16 || side > 1024) {
-    std::fprintf(stderr, "usage: make_bake DIR.bake SIDE (16 to 1024)\n");
+    std::fprintf(stderr, "usage: make_bake DIR.bake SIDE (16 to 1024) [vertex_sh]\n");
     return 2;
   }
   try {
-    rimlight::bake_image(rimlight::make_scene(side), argv[1], {});
+    const auto scene = rimlight::make_scene(side);
+    if (of_vertices) {
+      rimlight::bake_its_vertices(scene, argv[1]);
+    } else {
+      rimlight::bake_image(scene, argv[1], {});
+    }
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "make_bake: %s\n", error.what());

@@ -3,11 +3,12 @@ import { mkdirSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { after, before, test } from 'node:test';
 import { chromium } from 'playwright-core';
+import * as pages from './pages.js';
+import { checkMessages, drag, frameOf, kPatience, pixels, waitForExact } from './pages.js';
 import { faults } from './schemas.js';
 import { root, run, bake, startServer } from './server.js';
 
 const screenshots = resolve(root, 'tests/e2e/screenshots');
-const kPatience = 20000;
 let server;
 let browser;
 
@@ -22,67 +23,8 @@ after(async () => {
   await server?.stop();
 });
 
-/** A page with everything that went wrong in it, and every message that went over its socket. */
-async function openPage(session, options = {}) {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 860 }, ...options });
-  const page = await context.newPage();
-  const errors = [];
-  const messages = [];
-  page.on('pageerror', (error) => errors.push(String(error)));
-  page.on('console', (line) => { if (line.type() === 'error') errors.push(line.text()); });
-  page.on('websocket', (socket) => {
-    socket.on('framesent', ({ payload }) => messages.push(payload));
-    socket.on('framereceived', ({ payload }) => messages.push(payload));
-  });
-  await page.goto(`${server.address}?session=${session}`);
-  await waitForExact(page);
-  return { page, errors, messages, close: () => context.close() };
-}
-
-function frameOf(page) {
-  return page.$eval('#canvas', (canvas) => Number(canvas.dataset.frame ?? -1));
-}
-
-async function waitForExact(page, after = -1) {
-  await page.waitForFunction((least) => {
-    const { frame, exact } = document.getElementById('canvas').dataset;
-    return exact === 'true' && Number(frame) > least;
-  }, after, { timeout: kPatience });
-}
-
-/** The pixels of the canvas, as a string to compare. */
-function pixels(page) {
-  return page.$eval('#canvas', (canvas) => canvas.toDataURL());
-}
-
-async function drag(page, dx, dy, steps = 20) {
-  const box = await page.locator('#canvas').boundingBox();
-  const x = box.x + box.width / 2;
-  const y = box.y + box.height / 2;
-  await page.mouse.move(x, y);
-  await page.mouse.down();
-  for (let i = 1; i <= steps; ++i) {
-    await page.mouse.move(x + (dx * i) / steps, y + (dy * i) / steps);
-    await page.waitForTimeout(16);
-  }
-  await page.mouse.up();
-}
-
-/** Every message that went over the sockets fits its schema. */
-function checkMessages(messages) {
-  const kinds = new Set();
-  for (const payload of messages) {
-    if (typeof payload === 'string') {
-      const message = JSON.parse(payload);
-      assert.equal(faults(message.type, message), '');
-      kinds.add(message.type);
-    } else {
-      const length = payload.readUInt32LE(0);
-      assert.equal(faults('frame_header', JSON.parse(payload.toString('utf8', 4, 4 + length))), '');
-      kinds.add('frame');
-    }
-  }
-  return kinds;
+function openPage(session, options) {
+  return pages.openPage(browser, `${server.address}?session=${session}`, options);
 }
 
 test('a drag turns the light, and the picture is exact when it stops', async () => {

@@ -13,10 +13,11 @@ function required(name) {
 
 export const program = required('RIMLIGHT');
 export const bake = required('RIMLIGHT_BAKE');
+export const vertexBake = process.env.RIMLIGHT_VERTEX_BAKE;
 
 /** Resolves to {address, host, port, stop, kill} when the server is ready. */
-export function startServer({ port = 0 } = {}) {
-  const child = spawn(program, ['serve', bake, '--port', String(port), '--json',
+export function startServer({ port = 0, bakes = [bake] } = {}) {
+  const child = spawn(program, ['serve', ...bakes, '--port', String(port), '--json',
     '--web', resolve(root, 'web')], { stdio: ['ignore', 'pipe', 'pipe'] });
   let log = '';
   child.stderr.on('data', (data) => { log += data; });

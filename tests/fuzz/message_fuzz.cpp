@@ -13,7 +13,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text = fuzz::text_of(data, size);
   fuzz::expect_result_or_error([&] {
     try {
-      server::parse_client_message(text, {"sunny", "studio"});
+      server::parse_client_message(text, {"sunny", "studio"}, {"brass", "clay"});
     } catch (const Error& error) {
       // The reply must be one that can be sent: dump() throws at what is not UTF-8.
       server::write_error(error, server::find_message_id(text));

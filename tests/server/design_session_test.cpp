@@ -310,5 +310,42 @@ TEST_F(SessionRegistryTest, IdleSessionsAreDroppedAndComeBackWithALaterEpoch) {
   EXPECT_GT(clients.back()->texts[0]["epoch"].get<std::int64_t>(), epoch);
 }
 
+TEST_F(DesignSessionTest, AViewThatFramesDoNotShowIsKeptAndTheFramesSaySo) {
+  const auto client = join();
+  work();
+  EXPECT_TRUE(client->last().unshown.empty());
+  EXPECT_EQ(client->texts[0]["any_view"], false);
+  acknowledge(*client);
+  Edit change;
+  change.view = Camera{{1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 40};
+  change.materials["brass"] = MaterialEdit{.albedo = {}, .highlight = {}, .exponent = 3};
+  session->apply(*client, change, now);
+  EXPECT_EQ(client->texts.back()["state"]["view"]["camera"]["position"], json({1.0, 2.0, 3.0}));
+  EXPECT_EQ(client->texts.back()["state"]["material"]["parameter"]["brass"]["exponent"], 3.0);
+  work();
+  EXPECT_FALSE(client->last().exact);
+  EXPECT_EQ(client->last().unshown, std::vector<std::string>{"the moved camera"});
+  acknowledge(*client);
+  pass(milliseconds(60));
+  EXPECT_TRUE(client->last().exact);
+  EXPECT_EQ(client->last().unshown, std::vector<std::string>{"the moved camera"});
+}
+
+TEST_F(DesignSessionTest, AnEditThatMakesTheStateTooLargeIsRefusedWhole) {
+  const auto client = join();
+  Edit change;
+  for (std::size_t i = 0; i < kMostMaterials; ++i) {
+    change.materials["m" + std::to_string(i)] = MaterialEdit{{}, {}, 3};
+  }
+  session->apply(*client, change, now);
+  Edit more;
+  more.exposure_stops = 5;
+  more.materials["one"] = MaterialEdit{{}, {}, 3};
+  const std::size_t replies = client->texts.size();
+  EXPECT_NE(error_of([&] { session->apply(*client, more, now); }), "no error");
+  EXPECT_EQ(client->texts.size(), replies);
+  EXPECT_EQ(client->texts.back()["state"]["exposure"], 0.0);
+}
+
 }  // namespace
 }  // namespace rimlight::server

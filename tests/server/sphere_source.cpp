@@ -12,6 +12,11 @@ void fail_if_broken(const SphereProbe& probe) {
   if (probe.broken) throw Error("sphere", "a broken source", "a whole one");
 }
 
+std::vector<std::string> unshown(const DesignState& state) {
+  if (!state.view) return {};
+  return {"the moved camera"};
+}
+
 }  // namespace
 
 void SphereSource::draw_row(const DesignState& state, int y, std::uint8_t mask,
@@ -40,6 +45,7 @@ FrameReport SphereSource::render_moving(const DesignState& state, Rgb8Image& fra
   FrameReport report;
   report.terms = 30;
   report.residual = 0.5;
+  report.unshown = unshown(state);
   return report;
 }
 
@@ -60,6 +66,7 @@ bool SphereSource::render_exact(const DesignState& state, Rgb8Image& frame, Fram
   report = {};
   report.exact = true;
   report.terms = 1536;
+  report.unshown = unshown(state);
   return true;
 }
 

@@ -51,6 +51,11 @@ TEST(ViewEdits, MaterialsAreSetPieceByPieceAndTakenBackWhole) {
   DesignState again;
   apply_edit(parsed("\"material\":" + state_to_json(state)["material"].dump()), again);
   EXPECT_EQ(again, state);
+  state.environment = "day";
+  state.view = Camera{{1, 2, 3}, {0, 1, 0}, {0, 2, 0}, 50};
+  state.rotation = {0, 1, 0, 0};
+  const nlohmann::json text = state_to_json(state);
+  EXPECT_EQ(read_state(JsonReader(text, "state")), state);
   apply_edit(parsed(R"("material":{"parameter":{"brass":null}})"), state);
   EXPECT_EQ(state.materials.size(), 1u);
 }
@@ -130,7 +135,7 @@ TEST(FrameMessages, SayWhatTheyDoNotShowWithinBounds) {
 
 TEST(ServedVertices, TheirSourceDrawsWhatAVertexRendererDoes) {
   const auto vertices = rimlight::test::scene_of();
-  const ServedScene scene = serve_vertices(vertices, rimlight::test::kVertexSettings);
+  const ServedScene scene = serve_vertices("case", vertices, rimlight::test::kVertexSettings);
   EXPECT_EQ(scene.name, "case");
   EXPECT_TRUE(scene.any_view);
   EXPECT_EQ(material_names(scene), (std::vector<std::string>{"brass", "enamel", "floor"}));
@@ -151,10 +156,9 @@ TEST(ServedVertices, TheirSourceDrawsWhatAVertexRendererDoes) {
 }
 
 TEST(ServedVertices, ANameThatFitsNoUrlIsRefused) {
-  VertexScene vertices = rimlight::test::VertexCase().scene;
-  vertices.name = "a b";
+  const VertexScene vertices = rimlight::test::VertexCase().scene;
   EXPECT_THAT(error_of([&] {
-                serve_vertices(std::make_shared<const VertexScene>(vertices),
+                serve_vertices("a b", std::make_shared<const VertexScene>(vertices),
                                rimlight::test::kVertexSettings);
               }),
               HasSubstr("to stand in a URL"));

@@ -303,5 +303,23 @@ TEST(FrameRenderer, AnAddedEnvironmentGetsTheExposureOfABake) {
   }
 }
 
+TEST(FrameRenderer, SaysThatItShowsNoOtherViewAndNoEditedMaterial) {
+  FrameRenderer renderer(small_bake(), settings());
+  DesignState state{"sky", kTurned, 0};
+  Rgb8Image plain, frame;
+  FrameReport report;
+  ASSERT_TRUE(renderer.render_exact(state, plain, report));
+  EXPECT_THAT(report.unshown, testing::IsEmpty());
+  state.view = renderer.bake().manifest().camera;
+  EXPECT_THAT(renderer.render_moving(state, frame).unshown, testing::IsEmpty());
+  state.view->position.x += 1;
+  state.materials["brass"].exponent = 3;
+  ASSERT_TRUE(renderer.render_exact(state, frame, report));
+  EXPECT_THAT(report.unshown, testing::ElementsAre(testing::HasSubstr("the moved camera"),
+                                                   testing::HasSubstr("edits of materials")));
+  EXPECT_EQ(frame.bytes, plain.bytes);
+  EXPECT_EQ(renderer.render_moving(state, frame).unshown, report.unshown);
+}
+
 }  // namespace
 }  // namespace rimlight
