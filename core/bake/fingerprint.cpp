@@ -50,6 +50,12 @@ void add_material(Hasher& hasher, const Material& material) {
   hasher.add(brdf.roughness);
   hasher.add(brdf.eta);
   hasher.add(brdf.k);
+  // Only where they count, so that older bakes keep their names.
+  if (brdf.model == BrdfModel::ward || brdf.model == BrdfModel::ashikhmin_shirley) {
+    hasher.add(brdf.exponent_across);
+    hasher.add(brdf.roughness_across);
+    hasher.add(material.tangent);
+  }
   if (material.albedo_texture == nullptr) return;
   hasher.add(material.albedo_texture->width);
   hasher.add_all(material.albedo_texture->pixels);

@@ -27,7 +27,7 @@ std::int32_t walk_step(std::int32_t hit_count) {
 
 LobeSurface lobe_surface(const PixelSurface& surface) {
   const auto frame = [&](std::size_t quarter) {
-    return Frame<float>(surface.hits[responder(surface, quarter)]->shading_normal);
+    return surface.hits[responder(surface, quarter)]->frame();
   };
   static_assert(kQuarters == 4);
   LobeSurface result{surface.brdf, surface.share, {frame(0), frame(1), frame(2), frame(3)}, {}, {}};

@@ -125,7 +125,7 @@ class Gatherer {
   void draw_directions(std::size_t index, int rays) {
     const Path& path = work_.paths[index];
     const Brdf& brdf = path.hit.brdf;
-    const Frame<float> frame(path.hit.shading_normal);
+    const Frame<float> frame = path.hit.frame();
     // An R2 sequence covers the lobe evenly at any number of rays; each path goes on where the one
     // before it stopped, so that neighbouring points complete each other.
     const double choice_shift = random_.uniform();
@@ -214,7 +214,7 @@ class Gatherer {
 
   /// weights · f(direction → viewer) · cos θ for every viewer, diffuse and glossy apart.
   void reflect_to_viewers(const Path& path, const Vec3f& direction, const float* weights) {
-    const Frame<float> frame(path.hit.shading_normal);
+    const Frame<float> frame = path.hit.frame();
     const Vec3f in = frame.to_local(direction);
     std::fill(work_.diffuse_weights.begin(), work_.diffuse_weights.end(), 0.0f);
     std::fill(work_.glossy_weights.begin(), work_.glossy_weights.end(), 0.0f);
@@ -257,7 +257,7 @@ class Gatherer {
   }
 
   bool extend(Path& path) {
-    const Frame<float> frame(path.hit.shading_normal);
+    const Frame<float> frame = path.hit.frame();
     const bool alike = reflects_alike(path);
     const Vec3f out = frame.to_local(alike ? path.out : random_out(path));
     const float choice = random_.uniform_float();

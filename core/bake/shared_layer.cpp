@@ -12,7 +12,7 @@ void find_viewers(const GroupSamples& samples, int ray, SharedLayer& layer) {
   for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
     const auto& hit = samples.hit(lane, ray);
     if (!hit) continue;
-    const Frame<float> frame(hit->shading_normal);
+    const Frame<float> frame = hit->frame();
     layer.viewers.push_back({lane, &*hit, frame, frame.to_local(samples.out(lane, ray))});
   }
 }

@@ -13,6 +13,7 @@ bool same_material(const Brdf& a, const Brdf& b) {
   const Vec3f difference = a.albedo - b.albedo;
   return a.model == b.model && a.specular == b.specular && a.exponent == b.exponent &&
          a.roughness == b.roughness && a.eta == b.eta && a.k == b.k &&
+         a.exponent_across == b.exponent_across && a.roughness_across == b.roughness_across &&
          std::abs(difference.x) <= kAlbedoTolerance && std::abs(difference.y) <= kAlbedoTolerance &&
          std::abs(difference.z) <= kAlbedoTolerance;
 }

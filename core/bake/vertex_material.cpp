@@ -12,25 +12,46 @@ namespace {
 
 constexpr double kLargestExponent = 1e5;
 
-/// What the gloss of a Cook–Torrance surface does with light along its normal.
+/// What the gloss of a surface does with light along its normal.
 struct GlossMoments {
   Vec3d reflectance;  // ∫ f cos θ dω
   Vec3d along;        // ∫ f cos θ cos α dω
 };
 
-/// Over half vectors, in which the lobe is exp(−tan²θ_h / m²): to 5 m of it, or to the horizon.
+/// About how far half vectors stray from the normal: Beckmann's slope, or what cos^n θ_h is near
+/// its middle, exp(−n θ_h²/2), taken as one; of the wider axis.
+double half_vector_width(const Brdf& brdf) {
+  const auto of_exponent = [](float n) { return std::sqrt(2.0 / double{n}); };
+  switch (brdf.model) {
+    case BrdfModel::blinn_phong:
+      return of_exponent(brdf.exponent);
+    case BrdfModel::ashikhmin_shirley:
+      return of_exponent(std::min(brdf.exponent, brdf.exponent_across));
+    case BrdfModel::ward:
+      return std::max(brdf.roughness, brdf.roughness_across);
+    default:
+      return brdf.roughness;
+  }
+}
+
+/// Over half vectors, to 5 widths of the lobe, or to the horizon; and around, where it matters.
 GlossMoments gloss_moments(const Brdf& brdf) {
   constexpr int kPoints = 128;
-  const double end = std::min(std::numbers::pi / 4, std::atan(5.0 * brdf.roughness));
+  const int turns = is_anisotropic(brdf) ? 32 : 1;
+  const double end = std::min(std::numbers::pi / 4, std::atan(5 * half_vector_width(brdf)));
   GlossMoments moments;
   for (const QuadraturePoint& point : gauss_legendre(kPoints)) {
     const double angle = end * (point.position + 1);  // α = 2 θ_h
-    const Vec3f in(Vec3d(std::sin(angle), 0, std::cos(angle)));
-    const Vec3d f(evaluate_specular(brdf, in, {0, 0, 1}));
     const double ring =
         2 * std::numbers::pi * std::sin(angle) * std::cos(angle) * end * point.weight;
-    moments.reflectance += f * ring;
-    moments.along += f * (ring * std::cos(angle));
+    for (int turn = 0; turn < turns; ++turn) {
+      const double around = 2 * std::numbers::pi * turn / turns;
+      const Vec3f in(Vec3d(std::sin(angle) * std::cos(around), std::sin(angle) * std::sin(around),
+                           std::cos(angle)));
+      const Vec3d f(evaluate_specular(brdf, in, {0, 0, 1}));
+      moments.reflectance += f * (ring / turns);
+      moments.along += f * (ring / turns * std::cos(angle));
+    }
   }
   return moments;
 }
@@ -51,7 +72,9 @@ Vec3f diffuse_albedo(const Brdf& brdf) {
   return Vec3f(sum);
 }
 
-void map_cook_torrance(const Brdf& brdf, VertexMaterial& material) {
+/// The Phong lobe that reflects as much of what comes along the normal, with the same mean cosine
+/// about the mirror direction: ∫ cos α of (s + 1)/2π cos^s α is (s + 1)/(s + 2).
+void map_gloss(const Brdf& brdf, VertexMaterial& material) {
   const GlossMoments moments = gloss_moments(brdf);
   material.highlight = Vec3f(moments.reflectance);
   const double all = moments.reflectance.x + moments.reflectance.y + moments.reflectance.z;
@@ -71,8 +94,9 @@ VertexMaterial vertex_material(const Material& material) {
   if (brdf.model == BrdfModel::phong) {
     result.highlight = brdf.specular;
     result.exponent = brdf.exponent;
+  } else if (brdf.model != BrdfModel::lambert) {
+    map_gloss(brdf, result);
   }
-  if (brdf.model == BrdfModel::cook_torrance) map_cook_torrance(brdf, result);
   if (material.subsurface) {
     for (int c = 0; c < 3; ++c) {
       result.albedo[c] *= static_cast<float>(dipole_of(*material.subsurface, c).reflectance());

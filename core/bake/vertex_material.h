@@ -11,7 +11,7 @@ namespace rimlight {
 ///   lambert        as it is
 ///   phong          as it is: highlight = specular, which the scene's lobe reflects at normal
 ///                  incidence
-///   cook_torrance  an approximation, by quadrature at normal incidence. With the lobe's weight
+///   the others     an approximation, by quadrature at normal incidence. With the lobe's weight
 ///                  f cos θ dω over the directions that are reflected, α from the mirror direction:
 ///                    highlight = ∫ f cos θ dω                    (what it reflects, each channel)
 ///                    s         = (2g − 1)/(1 − g),  g = ⟨cos α⟩  (the Phong lobe of the same mean

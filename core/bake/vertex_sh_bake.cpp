@@ -191,9 +191,9 @@ VertexBakeManifest describe(const Scene& scene, const PreparedVertices& prepared
       {"unused_vertices", prepared.unused_vertices},
       {"triangles_without_area", scene.dropped_triangles + prepared.dropped_triangles}};
   const auto approximated = std::ranges::count_if(scene.materials, [](const Material& material) {
-    return material.brdf.model == BrdfModel::cook_torrance;
+    return material.brdf.model != BrdfModel::lambert && material.brdf.model != BrdfModel::phong;
   });
-  if (approximated > 0) manifest.left_out["cook_torrance_as_phong_lobes"] = approximated;
+  if (approximated > 0) manifest.left_out["gloss_as_phong_lobes"] = approximated;
   return manifest;
 }
 

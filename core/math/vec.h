@@ -89,6 +89,16 @@ struct Frame {
     bitangent = {b, sign + n.y * n.y * a, -n.y};
   }
 
+  /// With the tangent as near to `along` (any length) as the normal allows; where they are
+  /// parallel, or `along` is zero, the frame of the normal alone.
+  Frame(const Vec3<T>& n, const Vec3<T>& along) : Frame(n) {
+    const Vec3<T> flat = along - n * dot(n, along);
+    const T squared = dot(flat, flat);
+    if (!(squared > T(1e-10) * dot(along, along))) return;
+    tangent = flat / std::sqrt(squared);
+    bitangent = cross(n, tangent);
+  }
+
   Vec3<T> to_world(const Vec3<T>& v) const {
     return tangent * v.x + bitangent * v.y + normal * v.z;
   }

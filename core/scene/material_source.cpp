@@ -32,12 +32,7 @@ Brdf read_lambert(const JsonReader& json) {
   return brdf;
 }
 
-Brdf read_phong(const JsonReader& json) {
-  json.allow_only({"model", "albedo", "texture", "specular", "exponent", "subsurface"});
-  Brdf brdf{.model = BrdfModel::phong, .specular = {0.05f, 0.05f, 0.05f}};
-  read_optional(json, "albedo", 0, 1, brdf.albedo);
-  read_optional(json, "specular", 0, 1, brdf.specular);
-  read_optional(json, "exponent", 1, 1e5, brdf.exponent);
+void check_sum(const JsonReader& json, const Brdf& brdf) {
   for (int c = 0; c < 3; ++c) {
     // 0.7 + 0.3 is a hair above 1 in floats.
     if (brdf.albedo[c] + brdf.specular[c] <= 1 + 1e-6f) continue;
@@ -45,6 +40,49 @@ Brdf read_phong(const JsonReader& json) {
                 "albedo + specular of " + std::to_string(brdf.albedo[c] + brdf.specular[c]),
                 "at most 1 in each channel");
   }
+}
+
+/// One number for both of a lobe's axes, or one for each.
+void read_axes(const JsonReader& json, std::string_view name, double low, double high, float& along,
+               float& across) {
+  const auto field = json.optional_member(name);
+  if (!field) return;
+  if (field->is_array()) {
+    const std::vector<double> both = field->numbers(2, low, high);
+    along = static_cast<float>(both[0]);
+    across = static_cast<float>(both[1]);
+  } else {
+    along = across = static_cast<float>(field->number(low, high));
+  }
+}
+
+/// Phong's, or Blinn–Phong's.
+Brdf read_phong(const JsonReader& json, BrdfModel model) {
+  json.allow_only({"model", "albedo", "texture", "specular", "exponent", "subsurface"});
+  Brdf brdf{.model = model, .specular = {0.05f, 0.05f, 0.05f}};
+  read_optional(json, "albedo", 0, 1, brdf.albedo);
+  read_optional(json, "specular", 0, 1, brdf.specular);
+  read_optional(json, "exponent", 1, 1e5, brdf.exponent);
+  check_sum(json, brdf);
+  return brdf;
+}
+
+Brdf read_ward(const JsonReader& json) {
+  json.allow_only({"model", "albedo", "texture", "specular", "roughness", "tangent"});
+  Brdf brdf{.model = BrdfModel::ward, .specular = {0.05f, 0.05f, 0.05f}};
+  read_optional(json, "albedo", 0, 1, brdf.albedo);
+  read_optional(json, "specular", 0, 1, brdf.specular);
+  read_axes(json, "roughness", 1e-4, 1, brdf.roughness, brdf.roughness_across);
+  check_sum(json, brdf);
+  return brdf;
+}
+
+Brdf read_ashikhmin_shirley(const JsonReader& json) {
+  json.allow_only({"model", "albedo", "texture", "specular", "exponent", "tangent"});
+  Brdf brdf{.model = BrdfModel::ashikhmin_shirley, .specular = {0.05f, 0.05f, 0.05f}};
+  read_optional(json, "albedo", 0, 1, brdf.albedo);
+  read_optional(json, "specular", 0, 1, brdf.specular);
+  read_axes(json, "exponent", 1, 1e5, brdf.exponent, brdf.exponent_across);
   return brdf;
 }
 
@@ -53,9 +91,9 @@ Brdf read_cook_torrance(const JsonReader& json) {
   Brdf brdf{.model = BrdfModel::cook_torrance, .albedo = {}, .specular = {1, 1, 1}};
   read_optional(json, "albedo", 0, 1, brdf.albedo);
   read_optional(json, "specular", 0, 1, brdf.specular);
-  read_optional(json, "roughness", 0.01, 1, brdf.roughness);
-  read_optional(json, "eta", 0.05, 20, brdf.eta);
-  read_optional(json, "k", 0, 20, brdf.k);
+  read_optional(json, "roughness", 1e-4, 1, brdf.roughness);
+  read_optional(json, "eta", 0.05, 100, brdf.eta);
+  read_optional(json, "k", 0, 100, brdf.k);
   for (int c = 0; c < 3; ++c) {
     // evaluate() would leave it out in silence.
     if (brdf.albedo[c] == 0 || (brdf.k[c] == 0 && brdf.eta[c] >= 1)) continue;
@@ -72,6 +110,24 @@ Subsurface read_subsurface(const JsonReader& json) {
                     .scattering = read_channels(json.member("scattering"), 1e-6, 1e6)};
   read_optional(json, "eta", 1, 3, result.eta);
   return result;
+}
+
+Brdf read_brdf(const JsonReader& json) {
+  switch (json.member("model").one_of(
+      {"lambert", "phong", "cook_torrance", "blinn_phong", "ward", "ashikhmin_shirley"})) {
+    case 0:
+      return read_lambert(json);
+    case 1:
+      return read_phong(json, BrdfModel::phong);
+    case 2:
+      return read_cook_torrance(json);
+    case 3:
+      return read_phong(json, BrdfModel::blinn_phong);
+    case 4:
+      return read_ward(json);
+    default:
+      return read_ashikhmin_shirley(json);
+  }
 }
 
 }  // namespace
@@ -91,15 +147,10 @@ Material read_material(const JsonReader& json, const std::string& name,
                        const std::filesystem::path& folder) {
   Material material;
   material.name = name;
-  switch (json.member("model").one_of({"lambert", "phong", "cook_torrance"})) {
-    case 0:
-      material.brdf = read_lambert(json);
-      break;
-    case 1:
-      material.brdf = read_phong(json);
-      break;
-    default:
-      material.brdf = read_cook_torrance(json);
+  material.brdf = read_brdf(json);
+  if (const auto tangent = json.optional_member("tangent")) {
+    material.tangent = Vec3f(read_point(*tangent));
+    if (!(length(material.tangent) >= 1e-6f)) tangent->fail("a direction");
   }
   if (const auto subsurface = json.optional_member("subsurface")) {
     material.subsurface = read_subsurface(*subsurface);

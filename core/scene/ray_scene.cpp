@@ -222,7 +222,9 @@ std::optional<SurfaceHit> RayScene::intersect(const Ray& ray) const {
   hit.geometric_normal = Vec3f(normalized(cross(Vec3d(b) - corner_a, Vec3d(c) - corner_a)));
   if (dot(hit.geometric_normal, ray.direction) > 0) hit.geometric_normal = -hit.geometric_normal;
   hit.shading_normal = shading_normal(mesh, corner, at, hit.geometric_normal, -ray.direction);
-  hit.brdf = brdf_at(state_->source->materials[mesh.material], mesh, corner, at);
+  const Material& material = state_->source->materials[mesh.material];
+  hit.brdf = brdf_at(material, mesh, corner, at);
+  if (is_anisotropic(hit.brdf)) hit.tangent = material.tangent;
   hit.offset =
       kOffsetScale * std::max({largest_component(a), largest_component(b), largest_component(c)});
   return hit;

@@ -25,6 +25,10 @@ struct SurfaceHit {
   float distance = 0;
   Brdf brdf;         // the texture looked up
   float offset = 0;  // move rays' origins this far along geometric_normal to leave the surface
+  Vec3f tangent;     // the material's where the BRDF is anisotropic, else zero
+
+  /// The frame in which the BRDF's directions are local.
+  Frame<float> frame() const { return {shading_normal, tangent}; }
 };
 
 /// Where a ray meets a triangle: weights 1 − u − v, u and v of its corners, in their order.

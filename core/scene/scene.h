@@ -43,6 +43,9 @@ struct Material {
   std::string name;
   Brdf brdf;
   std::shared_ptr<const RgbImage> albedo_texture;  // multiplies brdf.albedo; repeats; bilinear
+  /// The direction in the world, of any length, along which an anisotropic BRDF's x axis lies, as
+  /// nearly as the surface allows: that of the brush, say. It does not turn with objects.
+  Vec3f tangent{1, 0, 0};
   std::optional<Subsurface> subsurface = std::nullopt;
 };
 

@@ -19,7 +19,7 @@ Vec3f TexelPathTracer::direct(const SurfaceHit& hit, const Vec3f& out, Random& r
     return {};
   const Ray ray{RayScene::ray_origin(hit, direction), direction};
   if (scene_.intersect(ray)) return {};
-  const Frame<float> frame(hit.shading_normal);
+  const Frame<float> frame = hit.frame();
   const Vec3f in = frame.to_local(direction);
   const double area = 4.0 / (cube_size_ * cube_size_);
   const auto solid_angle = static_cast<float>(area * std::pow(1 + x * x + y * y, -1.5));
@@ -38,7 +38,7 @@ Vec3f TexelPathTracer::sample_pixel(int x, int y, Random& random) const {
     const auto hit = scene_.intersect(ray);
     if (!hit) break;
     radiance += throughput * direct(*hit, -ray.direction, random);
-    const Frame<float> frame(hit->shading_normal);
+    const Frame<float> frame = hit->frame();
     const float choice = random.uniform_float();
     const auto next =
         sample(hit->brdf, frame.to_local(-ray.direction), choice, random_sample(random));

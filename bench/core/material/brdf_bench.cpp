@@ -22,7 +22,11 @@ Brdf material(int which) {
   Brdf brdf{.albedo = {0.6f, 0.5f, 0.4f}};
   if (which == 0) return brdf;
   brdf.specular = {0.4f, 0.4f, 0.4f};
-  brdf.model = which == 1 ? BrdfModel::phong : BrdfModel::cook_torrance;
+  constexpr BrdfModel kModels[] = {BrdfModel::lambert,          BrdfModel::phong,
+                                   BrdfModel::cook_torrance,    BrdfModel::cook_torrance,
+                                   BrdfModel::blinn_phong,      BrdfModel::ward,
+                                   BrdfModel::ashikhmin_shirley};
+  brdf.model = kModels[which];
   if (which == 3) {
     brdf.albedo = {};
     brdf.eta = {0.18f, 0.42f, 1.37f};
@@ -41,8 +45,8 @@ void evaluate_brdf(benchmark::State& state) {
   }
 }
 BENCHMARK(evaluate_brdf)
-    ->ArgName("0_lambert_1_phong_2_glaze_3_gold")
-    ->DenseRange(0, 3)
+    ->ArgName("0_lambert_1_phong_2_glaze_3_gold_4_blinn_5_ward_6_ashikhmin")
+    ->DenseRange(0, 6)
     ->UseRealTime();
 
 void sample_brdf(benchmark::State& state) {
@@ -56,8 +60,8 @@ void sample_brdf(benchmark::State& state) {
   }
 }
 BENCHMARK(sample_brdf)
-    ->ArgName("0_lambert_1_phong_2_glaze_3_gold")
-    ->DenseRange(0, 3)
+    ->ArgName("0_lambert_1_phong_2_glaze_3_gold_4_blinn_5_ward_6_ashikhmin")
+    ->DenseRange(0, 6)
     ->UseRealTime();
 
 }  // namespace

@@ -166,6 +166,16 @@ TEST(Fingerprint, ChangesWithEverythingThatABakeDependsOn) {
   };
   EXPECT_TRUE(changed([](Scene& s) { s.materials[0].brdf.albedo.y = 0.51f; }));
   EXPECT_TRUE(changed([](Scene& s) { s.materials[0].brdf.model = BrdfModel::phong; }));
+  // What only anisotropic models know counts for them alone: other bakes keep their names.
+  EXPECT_FALSE(changed([](Scene& s) { s.materials[0].tangent = {0, 1, 0}; }));
+  EXPECT_FALSE(changed([](Scene& s) { s.materials[0].brdf.roughness_across = 0.5f; }));
+  Scene ward = *scene;
+  ward.materials[0].brdf.model = BrdfModel::ward;
+  Scene across = ward, turned = ward;
+  across.materials[0].brdf.roughness_across = 0.5f;
+  turned.materials[0].tangent = {0, 1, 0};
+  EXPECT_NE(fingerprint(ward), fingerprint(across));
+  EXPECT_NE(fingerprint(ward), fingerprint(turned));
   EXPECT_TRUE(changed([](Scene& s) { s.meshes[1].positions[2].z += 1e-4f; }));
   EXPECT_TRUE(changed([](Scene& s) { s.meshes[1].triangles[0] = {0, 2, 1}; }));
   EXPECT_TRUE(changed([](Scene& s) { s.camera.position.x += 1e-9; }));

@@ -40,28 +40,46 @@ TEST(VertexMaterial, LambertAndPhongStayAsTheyAre) {
   EXPECT_EQ(vertex_material(material).highlight, Vec3f());
 }
 
+Material lobe(BrdfModel model, float width, float width_across) {
+  Material material;
+  material.brdf = {.model = model,
+                   .albedo = {},
+                   .specular = {0.3f, 0.5f, 0.6f},
+                   .exponent = 2 / (width * width),
+                   .roughness = width,
+                   .exponent_across = 2 / (width_across * width_across),
+                   .roughness_across = width_across};
+  return material;
+}
+
 /// By random directions, uniform over the hemisphere: nothing shared with the quadrature.
+void expect_alike(const Material& material) {
+  const VertexMaterial found = vertex_material(material);
+  Random random(5);
+  Vec3d reflected, along;
+  constexpr int kRays = 400'000;
+  for (int i = 0; i < kRays; ++i) {
+    // Beyond twice 45° of half vector nothing is meant to count.
+    const Vec3d in(uniform_sphere({random.uniform() / 2, random.uniform()}));
+    const Vec3d f = Vec3d(evaluate_specular(material.brdf, Vec3f(in), {0, 0, 1})) *
+                    (in.z * 2 * std::numbers::pi / kRays);
+    reflected += f;
+    along += f * in.z;
+  }
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(found.highlight[c], reflected[c], 0.03 * reflected[c]);
+  const double g = (along.x + along.y + along.z) / (reflected.x + reflected.y + reflected.z);
+  const double cosine = (found.exponent + 1) / (found.exponent + 2);
+  EXPECT_NEAR(1 - cosine, 1 - g, 0.03 * (1 - g));
+}
+
 TEST(VertexMaterial, AGlossReflectsAtNormalIncidenceWhatItsLobeDoesAndAsNarrowly) {
-  for (const float roughness : {0.15f, 0.3f, 0.6f}) {
-    const Material material = glossy(roughness, {0.2f, 0.5f, 1.4f}, {3.3f, 2.2f, 1.9f}, {});
-    const VertexMaterial found = vertex_material(material);
-    Random random(5);
-    Vec3d reflected, along;
-    constexpr int kRays = 400'000;
-    for (int i = 0; i < kRays; ++i) {
-      // Beyond twice 45° of half vector nothing is meant to count.
-      const Vec3d in(uniform_sphere({random.uniform() / 2, random.uniform()}));
-      const Vec3d f = Vec3d(evaluate_specular(material.brdf, Vec3f(in), {0, 0, 1})) *
-                      (in.z * 2 * std::numbers::pi / kRays);
-      reflected += f;
-      along += f * in.z;
-    }
-    for (int c = 0; c < 3; ++c) {
-      EXPECT_NEAR(found.highlight[c], reflected[c], 0.03 * reflected[c]) << roughness;
-    }
-    const double g = (along.x + along.y + along.z) / (reflected.x + reflected.y + reflected.z);
-    const double cosine = (found.exponent + 1) / (found.exponent + 2);
-    EXPECT_NEAR(1 - cosine, 1 - g, 0.03 * (1 - g)) << roughness;
+  for (const float width : {0.15f, 0.3f, 0.6f}) {
+    SCOPED_TRACE(width);
+    expect_alike(glossy(width, {0.2f, 0.5f, 1.4f}, {3.3f, 2.2f, 1.9f}, {}));
+    expect_alike(lobe(BrdfModel::blinn_phong, width, width));
+    expect_alike(lobe(BrdfModel::ward, width, width));
+    expect_alike(lobe(BrdfModel::ward, width, 0.4f));
+    expect_alike(lobe(BrdfModel::ashikhmin_shirley, width, 0.4f));
   }
 }
 

@@ -62,11 +62,10 @@ TEST(Brdf, SpecularLobeMatchesTheFormulasInDouble) {
   int compared = 0;
   for (const BrdfCase& item : brdf_cases()) {
     if (item.brdf.model == BrdfModel::lambert) continue;
-    const double width = item.brdf.model == BrdfModel::phong
-                             ? 1 / std::sqrt(item.brdf.exponent)
-                             : std::min(0.5, 1.0 * item.brdf.roughness);
+    const double width = std::min(0.5, lobe_width(item.brdf));
     Brdf bright = item.brdf;
     bright.eta = bright.k = {20, 20, 20};
+    bright.specular = {1, 1, 1};
     for (int i = 0; i < 2000; ++i) {
       const Vec3f in(random_hemisphere(random));
       const Vec3d mirror(-in.x, -in.y, in.z);
@@ -79,9 +78,7 @@ TEST(Brdf, SpecularLobeMatchesTheFormulasInDouble) {
         const double lobe = reference::specular(bright, c, Vec3d(in), Vec3d(out));
         // Directions are rounded to 2^-24, which a lobe of angular width w turns into about
         // 2^-24 · (distance / w²), and cos^n into n · 2^-23; a few operations add 1e-5.
-        const double sharpness = item.brdf.model == BrdfModel::phong
-                                     ? item.brdf.exponent
-                                     : 1 / (item.brdf.roughness * item.brdf.roughness);
+        const double sharpness = 1 / (lobe_width(item.brdf) * lobe_width(item.brdf));
         // Index 1 reflects nothing but (2^-24 / c²)² of rounding, c ≥ 0.02; beyond the critical
         // angle of a thin medium F rises as a root, which turns 2^-24 into 2.4e-4.
         const double fresnel = item.brdf.eta[c] < 1 && item.brdf.k[c] == 0 ? 1e-3 : 1e-8;
@@ -136,7 +133,7 @@ TEST(Brdf, ReflectsNoMoreThanItGets) {
 
 TEST(Brdf, GlazeOverADielectricKeepsItsEnergyBoundForEveryIndexAndRoughness) {
   double worst = 0;
-  for (const double eta : {1.0, 1.05, 1.2, 1.4, 1.6, 1.78, 2.0, 2.5, 3.5, 6.0, 12.0, 20.0}) {
+  for (const double eta : {1.0, 1.05, 1.2, 1.4, 1.6, 1.78, 2.0, 2.5, 3.5, 6.0, 12.0, 20.0, 100.0}) {
     for (const double roughness : {0.01, 0.03, 0.08, 0.15, 0.25, 0.45, 0.7, 1.0}) {
       Brdf brdf{.model = BrdfModel::cook_torrance, .albedo = {1, 1, 1}, .specular = {1, 1, 1}};
       brdf.eta = Vec3f::filled(static_cast<float>(eta));
@@ -252,6 +249,72 @@ TEST(Brdf, OnlyNarrowLobesAreGlossy) {
   brdf.roughness = 0.1f;
   brdf.specular = {};
   EXPECT_FALSE(is_glossy(brdf));
+  brdf.model = BrdfModel::ward;
+  EXPECT_FALSE(is_glossy(brdf));
+  brdf.specular = {1, 1, 1};
+  brdf.roughness_across = 0.5f;
+  EXPECT_TRUE(is_glossy(brdf));  // along x
+  brdf.roughness = 0.4f;
+  EXPECT_FALSE(is_glossy(brdf));
+  brdf.model = BrdfModel::ashikhmin_shirley;
+  brdf.specular = {};
+  brdf.exponent = 10;
+  brdf.exponent_across = 17;
+  EXPECT_TRUE(is_glossy(brdf));
+  brdf.exponent_across = 16;
+  EXPECT_FALSE(is_glossy(brdf));
+  brdf.model = BrdfModel::blinn_phong;
+  brdf.specular = {1, 1, 1};
+  brdf.exponent = 17;
+  EXPECT_TRUE(is_glossy(brdf));
+}
+
+TEST(Brdf, OnlyUnequalLobesAreAnisotropic) {
+  // Their half vector leans along y by 0.003.
+  const Vec3f in = normalized(Vec3f(0.3f, 0.003f, 1)), out = normalized(Vec3f(-0.3f, 0.003f, 1));
+  const auto turned = [](const Vec3f& v) { return Vec3f(-v.y, v.x, v.z); };
+  int anisotropic = 0;
+  for (const BrdfCase& item : brdf_cases()) {
+    const float there = evaluate(item.brdf, in, out).y;
+    const float across = evaluate(item.brdf, turned(in), turned(out)).y;
+    anisotropic += is_anisotropic(item.brdf);
+    if (is_anisotropic(item.brdf)) {
+      EXPECT_NE(across, there) << item.name;
+    } else {
+      // cos^n turns 2^-24 of rounding into n · 2^-24.
+      const double bound = 1e-5 + 2.5e-7 / std::pow(lobe_width(item.brdf), 2);
+      EXPECT_NEAR(across, there, bound * there) << item.name;
+    }
+  }
+  EXPECT_EQ(anisotropic, 4);
+}
+
+TEST(Brdf, BlinnPhongAndEqualAshikhminShirleyLobesShareTheirPower) {
+  // cos^n θ_h over each other at one θ_d: C(n) against the square root, 1/(cos θ_d max(…)) and F.
+  const Brdf blinn{.model = BrdfModel::blinn_phong, .specular = {1, 1, 1}, .exponent = 30};
+  Brdf ashikhmin = blinn;
+  ashikhmin.model = BrdfModel::ashikhmin_shirley;
+  ashikhmin.exponent_across = 30;
+  const Vec3f up(0, 0, 1);
+  for (const float slope : {0.0f, 0.1f, 0.3f}) {
+    const Vec3f in = normalized(Vec3f(slope, slope / 2, 1));
+    const float half_cosine = std::sqrt((1 + in.z) / 2);
+    const double c = (32.0 * 34) / (8 * kPi * (std::exp2(-15.0) + 30)), root = 31 / (8 * kPi);
+    EXPECT_NEAR(evaluate_specular(blinn, in, up).x / c,
+                evaluate_specular(ashikhmin, in, up).x * half_cosine / root, 1e-5);
+  }
+}
+
+TEST(Brdf, HalfVectorLobesReflectTheirSpecularAtNormalIncidence) {
+  for (const float exponent : {1.0f, 50.0f, 1e4f}) {
+    const Brdf brdf{.model = BrdfModel::blinn_phong, .specular = {1, 1, 1}, .exponent = exponent};
+    EXPECT_NEAR(reference::specular_albedo(brdf, 0, {0, 0, 1}, 400), 1, 2e-4) << exponent;
+  }
+  const Brdf ward{.model = BrdfModel::ward,
+                  .specular = {1, 1, 1},
+                  .roughness = 0.01f,
+                  .roughness_across = 0.03f};
+  EXPECT_NEAR(reference::specular_albedo(ward, 0, {0, 0, 1}, 200), 1, 2e-3);
 }
 
 }  // namespace

@@ -82,6 +82,24 @@ TEST(Frame, IsOrthonormalAndRightHandedEverywhere) {
   }
 }
 
+TEST(Frame, TangentLiesAlongWhatItIsAskedTo) {
+  Random random(3);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3d n = uniform_sphere(random_sample(random));
+    const Vec3d along = uniform_sphere(random_sample(random)) * std::pow(10, random.uniform(-6, 6));
+    const Frame<double> frame(n, along);
+    EXPECT_NEAR(length(frame.tangent), 1, 1e-12);
+    EXPECT_NEAR(dot(frame.tangent, n), 0, 1e-9);
+    EXPECT_NEAR(length(cross(n, frame.tangent) - frame.bitangent), 0, 1e-12);
+    EXPECT_NEAR(dot(along, frame.bitangent), 0, 1e-9 * length(along));
+    EXPECT_GT(dot(along, frame.tangent), 0);
+    // Without a direction of its own: as without one.
+    const Frame<double> plain(n);
+    EXPECT_EQ(Frame<double>(n, {}).tangent, plain.tangent);
+    EXPECT_EQ(Frame<double>(n, n * -3.0).tangent, plain.tangent);
+  }
+}
+
 TEST(Frame, IsOrthonormalAtAndAroundThePoles) {
   for (const double z : {1.0, -1.0}) {
     expect_frame(Vec3d(0, 0, z), 1e-15);

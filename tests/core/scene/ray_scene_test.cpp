@@ -43,6 +43,32 @@ std::vector<std::uint8_t> visible(const RayScene& scene, const std::vector<Ray>&
   return result;
 }
 
+TEST(RayScene, OnlyAnisotropicMaterialsTurnTheFrame) {
+  const auto scene = scene_of({triangle_soup(300, 3)});
+  scene->materials[0].tangent = {1, 2, 3};
+  const RayScene plain(scene);
+  const auto brushed = std::make_shared<Scene>(*scene);
+  brushed->materials[0].brdf = {
+      .model = BrdfModel::ward, .roughness = 0.1f, .roughness_across = 0.4f};
+  const RayScene turned(brushed);
+  Random random(32);
+  int hits = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Ray ray = random_ray(random);
+    const auto at = plain.intersect(ray), there = turned.intersect(ray);
+    ASSERT_EQ(at.has_value(), there.has_value());
+    if (!at) continue;
+    ++hits;
+    const Frame<float> alone(at->shading_normal);
+    EXPECT_EQ(at->frame().tangent, alone.tangent);
+    EXPECT_EQ(at->frame().bitangent, alone.bitangent);
+    EXPECT_EQ(there->frame().normal, there->shading_normal);
+    EXPECT_NEAR(dot(there->frame().bitangent, Vec3f(1, 2, 3)), 0, 1e-5);
+    EXPECT_GE(dot(there->frame().tangent, Vec3f(1, 2, 3)), 0);
+  }
+  EXPECT_GT(hits, 100);
+}
+
 TEST(RayScene, NearestHitMatchesBruteForceInDouble) {
   const auto scene = scene_of({triangle_soup(150, 1), triangle_soup(150, 2)});
   const RayScene rays(scene);

@@ -134,6 +134,35 @@ TEST(SceneSource, TheScenesThatComeAlongAreRead) {
   EXPECT_GE(count, 2);
 }
 
+TEST(SceneSource, LobesOfTwoAxesArriveWhereTheyBelong) {
+  const Scene scene = parse(R"({
+    "camera": {"position": [1, 2, 3], "target": [0, 1, 0]},
+    "materials": {"a": {"model": "ward", "albedo": 0.1, "specular": 0.2, "roughness": [0.3, 0.4],
+                        "tangent": [0, 2, 1]},
+                  "b": {"model": "ward", "roughness": 0.5},
+                  "c": {"model": "ashikhmin_shirley", "exponent": [6, 7]},
+                  "d": {"model": "blinn_phong", "specular": 0.8, "albedo": 0.1, "exponent": 9}},
+    "objects": [{"shape": "box", "material": "b"}], "environments": ["studio"]})");
+  const Material& a = scene.materials[0];
+  EXPECT_EQ(a.brdf.model, BrdfModel::ward);
+  EXPECT_EQ(a.brdf.specular, Vec3f::filled(0.2f));
+  EXPECT_EQ(a.brdf.roughness, 0.3f);
+  EXPECT_EQ(a.brdf.roughness_across, 0.4f);
+  EXPECT_EQ(a.tangent, Vec3f(0, 2, 1));
+  const Material& b = scene.materials[1];
+  EXPECT_EQ(b.brdf.roughness, 0.5f);
+  EXPECT_EQ(b.brdf.roughness_across, 0.5f);
+  EXPECT_EQ(b.tangent, Vec3f(1, 0, 0));
+  const Brdf& c = scene.materials[2].brdf;
+  EXPECT_EQ(c.model, BrdfModel::ashikhmin_shirley);
+  EXPECT_EQ(c.exponent, 6);
+  EXPECT_EQ(c.exponent_across, 7);
+  const Brdf& d = scene.materials[3].brdf;
+  EXPECT_EQ(d.model, BrdfModel::blinn_phong);
+  EXPECT_EQ(d.specular, Vec3f::filled(0.8f));
+  EXPECT_EQ(d.exponent, 9);
+}
+
 TEST(SceneSource, FieldsArriveWhereTheyBelong) {
   const Scene scene = parse(R"({
     "name": "All", "camera": {"position": [1, 2, 3], "target": [0, 1, 0], "up": [0, 0, -1],

@@ -16,8 +16,8 @@ double beckmann(double roughness, double cosine);
 /// The specular lobe of one channel as brdf.h states it, in double and straight from the formulas.
 double specular(const Brdf& brdf, int channel, const Vec3d& in, const Vec3d& out);
 
-/// ∫ specular(in, out) cos θ_i dω_i, by quadrature over half vectors (cook_torrance) or over
-/// directions about the mirror (phong), where the integrand is smooth.
+/// ∫ specular(in, out) cos θ_i dω_i, by quadrature over directions about the mirror (phong)
+/// or over half vectors (the others), where the integrand is smooth.
 double specular_albedo(const Brdf& brdf, int channel, const Vec3d& out, int steps);
 
 }  // namespace rimlight::reference
