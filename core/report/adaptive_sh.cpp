@@ -225,6 +225,7 @@ void Contest::measure(const Environment& light, std::vector<AdaptiveShRow>& rows
     row.filtered_diffuse = is_view ? view_.irradiance().left_out() : median(filtered_irradiance_);
     row.filtered_specular = is_view ? view_.highlights().left_out() : median(filtered_highlights_);
     row.view_ms = is_view ? 1e3 * view_seconds_ : 0;
+    row.fps_view_moves = 1 / (median(policy.seconds) + row.view_ms / 1e3);
     policy.write(row);
     rows.push_back(row);
   }

@@ -11,9 +11,21 @@
 #include "core/math/rotation.h"
 
 namespace rimlight {
+
+/// Where the axes are: azimuth φ and the angle θ from z.
+struct LobeProduct::AxisAngles {
+  TurnAngles azimuth, polar;
+};
+/// The functions in their lobes' frames, [(degree + 1)²], and two bands.
+struct LobeProduct::Scratch {
+  float* turned;
+  float* one;
+  float* other;
+};
+
 namespace {
 
-constexpr std::size_t kRow = kBatchVertices;
+constexpr std::size_t kRow = kLobeLanes;
 
 std::size_t rows_of(int l) { return static_cast<std::size_t>(2 * l + 1); }
 
@@ -31,18 +43,15 @@ void fill_angles(int degree, float* cosine, float* sine) {
   }
 }
 
-/// Where the axes are: azimuth φ and the angle θ from z.
-struct AxisAngles {
-  TurnAngles azimuth, polar;
-};
-
+template <typename AxisAngles>
 AxisAngles axis_angles(std::span<const Vec3f> axes, int degree, float* values) {
   const std::size_t size = static_cast<std::size_t>(std::max(degree, 1) + 1) * kRow;
   float *const cos_azimuth = values, *const sin_azimuth = values + size;
   float *const cos_polar = values + 2 * size, *const sin_polar = values + 3 * size;
   for (std::size_t lane = 0; lane < kRow; ++lane) {
-    const Vec3d axis(axes[lane]);
-    const double radius = std::hypot(axis.x, axis.y), length = std::hypot(radius, axis.z);
+    const Vec3d axis(axes[lane]);  // its square neither overflows nor vanishes in double
+    const double square = axis.x * axis.x + axis.y * axis.y;
+    const double radius = std::sqrt(square), length = std::sqrt(square + axis.z * axis.z);
     cos_azimuth[kRow + lane] = radius > 0 ? static_cast<float>(axis.x / radius) : 1;
     sin_azimuth[kRow + lane] = radius > 0 ? static_cast<float>(axis.y / radius) : 0;
     cos_polar[kRow + lane] = static_cast<float>(axis.z / length);
@@ -51,6 +60,18 @@ AxisAngles axis_angles(std::span<const Vec3f> axes, int degree, float* values) {
   fill_angles(degree, cos_azimuth, sin_azimuth);
   fill_angles(degree, cos_polar, sin_polar);
   return {{cos_azimuth, sin_azimuth}, {cos_polar, sin_polar}};
+}
+
+/// Rows of some lanes, from and to panels of kBatchVertices.
+void take_rows(const float* panel, std::size_t rows, float* to) {
+  for (std::size_t i = 0; i < rows; ++i) {
+    std::copy_n(panel + i * kBatchVertices, kRow, to + i * kRow);
+  }
+}
+void give_rows(const float* from, std::size_t rows, float* panel) {
+  for (std::size_t i = 0; i < rows; ++i) {
+    std::copy_n(from + i * kRow, kRow, panel + i * kBatchVertices);
+  }
 }
 
 }  // namespace
@@ -110,35 +131,46 @@ void LobeProduct::multiply(const Lobe& lobe, std::span<const Vec3f> axes,
                            std::span<const float> functions, std::span<float> products,
                            Workspace& workspace) const {
   const std::size_t count = sh::coefficient_count(degree_);
-  RIMLIGHT_CHECK_EQ(axes.size(), kRow);
-  RIMLIGHT_CHECK_EQ(functions.size(), count * kRow);
-  RIMLIGHT_CHECK_EQ(products.size(), sh::coefficient_count(2 * degree_) * kRow);
+  RIMLIGHT_CHECK_EQ(axes.size(), kBatchVertices);
+  RIMLIGHT_CHECK_EQ(functions.size(), count * kBatchVertices);
+  RIMLIGHT_CHECK_EQ(products.size(), sh::coefficient_count(2 * degree_) * kBatchVertices);
   const std::size_t band = rows_of(2 * degree_) * kRow;
   const std::size_t angles = 4 * static_cast<std::size_t>(std::max(2 * degree_, 1) + 1) * kRow;
-  if (workspace.values.size() < count * kRow + band + angles) {
-    workspace.values.resize(count * kRow + band + angles);
+  const std::size_t size = count * kRow + 2 * band + angles;
+  if (workspace.values.size() < size) workspace.values.resize(size);
+  float* const turned = workspace.values.data();
+  float* const bands = turned + count * kRow;
+  for (std::size_t lane = 0; lane < kBatchVertices; lane += kRow) {
+    const auto axis =
+        axis_angles<AxisAngles>(axes.subspan(lane, kRow), 2 * degree_, bands + 2 * band);
+    const Scratch scratch = {turned, bands, bands + band};
+    turn_to_lobes(axis, functions.data() + lane, scratch);
+    multiply_and_turn_back(lobe, axis, scratch, products.data() + lane);
   }
-  float* const turned = workspace.values.data();  // the functions in their lobes' frames
-  float* const scratch = turned + count * kRow;
-  const AxisAngles axis = axis_angles(axes, 2 * degree_, scratch + band);
+}
+
+void LobeProduct::turn_to_lobes(const AxisAngles& axis, const float* functions,
+                                const Scratch& scratch) const {
   for (int l = 0; l <= degree_; ++l) {
-    const std::size_t at = static_cast<std::size_t>(l * l) * kRow;
-    const auto bands = static_cast<std::size_t>(l);
-    std::copy_n(functions.data() + at, rows_of(l) * kRow, scratch);
-    turn_rows(axis.azimuth, TurnWay::back, l, scratch);
-    multiply_rows(quarter_[bands], scratch, turned + at);
-    turn_rows(axis.polar, TurnWay::back, l, turned + at);
-    std::copy_n(turned + at, rows_of(l) * kRow, scratch);
-    multiply_rows(quarter_back_[bands], scratch, turned + at);
+    const auto first = static_cast<std::size_t>(l * l), band = static_cast<std::size_t>(l);
+    take_rows(functions + first * kBatchVertices, rows_of(l), scratch.one);
+    turn_rows(axis.azimuth, TurnWay::back, l, scratch.one);
+    multiply_rows(quarter_[band], scratch.one, scratch.other);
+    turn_rows(axis.polar, TurnWay::back, l, scratch.other);
+    multiply_rows(quarter_back_[band], scratch.other, scratch.turned + first * kRow);
   }
+}
+
+void LobeProduct::multiply_and_turn_back(const Lobe& lobe, const AxisAngles& axis,
+                                         const Scratch& scratch, float* products) const {
   for (int l = 0; l <= 2 * degree_; ++l) {
-    float* const to = products.data() + static_cast<std::size_t>(l * l) * kRow;
-    const auto bands = static_cast<std::size_t>(l);
-    multiply_zonal(lobe.band(l), turned, to);
-    multiply_rows(quarter_[bands], to, scratch);
-    turn_rows(axis.polar, TurnWay::forth, l, scratch);
-    multiply_rows(quarter_back_[bands], scratch, to);
-    turn_rows(axis.azimuth, TurnWay::forth, l, to);
+    const auto first = static_cast<std::size_t>(l * l), band = static_cast<std::size_t>(l);
+    multiply_zonal(lobe.band(l), scratch.turned, scratch.one);
+    multiply_rows(quarter_[band], scratch.one, scratch.other);
+    turn_rows(axis.polar, TurnWay::forth, l, scratch.other);
+    multiply_rows(quarter_back_[band], scratch.other, scratch.one);
+    turn_rows(axis.azimuth, TurnWay::forth, l, scratch.one);
+    give_rows(scratch.one, rows_of(l), products + first * kBatchVertices);
   }
 }
 

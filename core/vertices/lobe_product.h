@@ -6,6 +6,7 @@
 
 #include "core/base/aligned_vector.h"
 #include "core/math/vec.h"
+#include "core/transport/vertex_transport.h"
 #include "core/vertices/lobe_product_kernel.h"
 
 namespace rimlight {
@@ -49,6 +50,12 @@ class LobeProduct {
   int degree() const { return degree_; }
 
  private:
+  struct AxisAngles;
+  struct Scratch;
+  void turn_to_lobes(const AxisAngles& axis, const float* functions, const Scratch& scratch) const;
+  void multiply_and_turn_back(const Lobe& lobe, const AxisAngles& axis, const Scratch& scratch,
+                              float* products) const;
+
   int degree_;
   std::vector<SparseRows> quarter_, quarter_back_;  // [2 degree + 1], X and X⁻¹
 };

@@ -17,14 +17,13 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Floats = hn::CappedTag<float, 16>;
-constexpr size_t kRow = kBatchVertices;
-/// Vectors of a row at once: with kMostOutputs outputs, 24 of 32 registers, or 6 of 16.
-constexpr size_t kVectors = hn::MaxLanes(Floats()) == 16 ? 4 : 1;
+constexpr size_t kRow = kLobeLanes;
+/// Vectors of a row at once: with kMostOutputs outputs, 24 of 32 registers, or 12 of 16.
+constexpr size_t kVectors = hn::MaxLanes(Floats()) == 16 ? 2 : 1;
 
 template <size_t kOutputs>
-HWY_INLINE void multiply_block(const SparseRows& matrix, const SparseRows::Block& block,
-                               const float* HWY_RESTRICT from, float* HWY_RESTRICT to,
-                               size_t lane) {
+void multiply_block(const SparseRows& matrix, const SparseRows::Block& block,
+                    const float* HWY_RESTRICT from, float* HWY_RESTRICT to, size_t lane) {
   const Floats floats;
   const size_t width = hn::Lanes(floats);
   const uint16_t* const outputs = matrix.rows.data() + block.rows;
@@ -51,29 +50,16 @@ HWY_INLINE void multiply_block(const SparseRows& matrix, const SparseRows::Block
 }
 
 void multiply_all(const SparseRows& matrix, const float* from, float* to) {
+  using Multiply =
+      void (*)(const SparseRows&, const SparseRows::Block&, const float*, float*, size_t);
+  static constexpr Multiply kMultiply[SparseRows::kMostOutputs] = {
+      multiply_block<1>, multiply_block<2>,  multiply_block<3>,  multiply_block<4>,
+      multiply_block<5>, multiply_block<6>,  multiply_block<7>,  multiply_block<8>,
+      multiply_block<9>, multiply_block<10>, multiply_block<11>, multiply_block<12>};
   const size_t step = kVectors * hn::Lanes(Floats());
   for (size_t lane = 0; lane < kRow; lane += step) {
     for (const SparseRows::Block& block : matrix.blocks) {
-      switch (block.outputs) {
-        case 1:
-          multiply_block<1>(matrix, block, from, to, lane);
-          break;
-        case 2:
-          multiply_block<2>(matrix, block, from, to, lane);
-          break;
-        case 3:
-          multiply_block<3>(matrix, block, from, to, lane);
-          break;
-        case 4:
-          multiply_block<4>(matrix, block, from, to, lane);
-          break;
-        case 5:
-          multiply_block<5>(matrix, block, from, to, lane);
-          break;
-        default:
-          multiply_block<6>(matrix, block, from, to, lane);
-          break;
-      }
+      kMultiply[block.outputs - 1](matrix, block, from, to, lane);
     }
   }
 }

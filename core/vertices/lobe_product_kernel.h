@@ -5,17 +5,17 @@
 #include <vector>
 
 #include "core/base/aligned_vector.h"
-#include "core/transport/vertex_transport.h"
 
 namespace rimlight {
 
-// The steps of LobeProduct on rows of kBatchVertices vertices, [row][kBatchVertices], 64-byte
-// aligned; lane by lane.
+// The steps of LobeProduct on rows of kLobeLanes vertices, [row][kLobeLanes], 64-byte aligned; lane
+// by lane. So few lanes, because all rows that a product needs then fit in the first-level cache.
+inline constexpr std::size_t kLobeLanes = 32;
 
 /// A constant matrix between the rows of one band, as dense blocks of few outputs: outputs of a
 /// block have the same inputs.
 struct SparseRows {
-  static constexpr std::size_t kMostOutputs = 6;
+  static constexpr std::size_t kMostOutputs = 12;
 
   struct Block {
     std::uint32_t outputs = 0, inputs = 0;
@@ -34,7 +34,7 @@ struct SparseRows {
 /// to = matrix · from, all rows of the band; `to` is another array.
 void multiply_rows(const SparseRows& matrix, const float* from, float* to) noexcept;
 
-/// cos mα and sin mα of each lane, [m][kBatchVertices].
+/// cos mα and sin mα of each lane, [m][kLobeLanes].
 struct TurnAngles {
   const float* cosine;
   const float* sine;
