@@ -30,12 +30,12 @@ void ViewTransport::set_view(const VertexSelection& selection, const VertexGloss
   products_.check(selection, gloss);
   prepare_lobes(gloss.lobes);
   const VertexTransportView& transport = products_.transport();
-  const std::size_t panels = selection.panel_count();
-  irradiance_.assign({panels, transport.irradiance_channels, transport.irradiance_degree},
+  const std::size_t vertices = selection.vertex_count();
+  irradiance_.assign({vertices, transport.irradiance_channels, transport.irradiance_degree},
                      [&](std::size_t panel, std::span<float> values) {
                        products_.load_irradiance(selection, panel, values.data());
                      });
-  highlights_.assign({panels, 1, 2 * product_.degree()},
+  highlights_.assign({vertices, 1, 2 * product_.degree()},
                      [&](std::size_t panel, std::span<float> values) {
                        fill_highlights(selection, gloss, panel, values);
                      });
