@@ -90,6 +90,9 @@ class Comparison {
     }
   }
   void write(AdaptiveShRow& row) const {
+    row.fps_adaptive = 1 / median(seconds);
+    row.fps_view_moves = 1 / (median(seconds) + row.view_ms / 1e3);
+    row.speedup = median(speedups);
     row.psnr_db = psnr_sum_ / frames_;
     row.least_psnr_db = least_psnr_;
     row.flicker = flicker_;
@@ -147,6 +150,7 @@ class Contest {
     return {static_cast<float>(value * std::numbers::pi / sight_.settings.material.albedo),
             static_cast<float>(value / sight_.settings.material.highlight)};
   }
+  AdaptiveShRow full_row(const Environment& light) const;
   void measure_frame(std::span<const float> light, bool follows_last, VertexImage& full,
                      std::array<Comparison, 2>& policies);
 
@@ -208,6 +212,21 @@ void Contest::measure(const Environment& light, std::vector<AdaptiveShRow>& rows
       measure_frame(turned, frame > 0, full, policies);
     }
   }
+  AdaptiveShRow row = full_row(light);
+  row.policy = "multi-level";
+  row.filtered_diffuse = median(filtered_irradiance_);
+  row.filtered_specular = median(filtered_highlights_);
+  policies[0].write(row);
+  rows.push_back(row);
+  row.policy = "view";
+  row.filtered_diffuse = view_.irradiance().left_out();
+  row.filtered_specular = view_.highlights().left_out();
+  row.view_ms = 1e3 * view_seconds_;
+  policies[1].write(row);
+  rows.push_back(row);
+}
+
+AdaptiveShRow Contest::full_row(const Environment& light) const {
   AdaptiveShRow row;
   row.mesh = lit_.name;
   row.light = light.name();
@@ -217,17 +236,7 @@ void Contest::measure(const Environment& light, std::vector<AdaptiveShRow>& rows
   row.visible = sight_.selection.vertex_count();
   row.fps_full = 1 / median(full_seconds_);
   row.full_of_peak = median(of_peak_);
-  for (const Comparison& policy : policies) {
-    const bool is_view = &policy == &policies[1];
-    row.policy = is_view ? "view" : "multi-level";
-    row.fps_adaptive = 1 / median(policy.seconds);
-    row.speedup = median(policy.speedups);
-    row.filtered_diffuse = is_view ? view_.irradiance().left_out() : median(filtered_irradiance_);
-    row.filtered_specular = is_view ? view_.highlights().left_out() : median(filtered_highlights_);
-    row.view_ms = is_view ? 1e3 * view_seconds_ : 0;
-    policy.write(row);
-    rows.push_back(row);
-  }
+  return row;
 }
 
 }  // namespace

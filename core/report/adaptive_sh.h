@@ -49,7 +49,8 @@ struct AdaptiveShRow {
   /// Largest change of a vertex' channel between neighbouring frames beyond the full calculation's
   /// change, as displayed: sRGB in [0, 1].
   double flicker = 0;
-  double view_ms = 0;  // to prepare a new view
+  double view_ms = 0;         // to prepare a new view
+  double fps_view_moves = 0;  // when every frame is of a new view
 };
 
 /// Full calculations below this share of peak are no measure: no speed-up over them is reported.

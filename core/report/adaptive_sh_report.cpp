@@ -32,7 +32,8 @@ json row_json(const AdaptiveShRow& row) {
           {"filtered_diffuse", row.filtered_diffuse},
           {"filtered_specular", row.filtered_specular},
           {"flicker", row.flicker},
-          {"view_ms", view_ms}};
+          {"view_ms", view_ms},
+          {"fps_view_moves", row.fps_view_moves}};
 }
 
 /// Lines of one picture: coefficients and frames a second, by what is calculated.

@@ -49,7 +49,7 @@ HWY_EXPORT(run_fmas);
 HWY_EXPORT(operations_a_step);
 
 double fma_peak() {
-  constexpr std::size_t kSteps = 2000, kPartsOfThread = 8;
+  constexpr std::size_t kSteps = 20000, kPartsOfThread = 4;
   constexpr int kRuns = 4;
   const std::size_t parts = kPartsOfThread * static_cast<std::size_t>(thread_count());
   const auto operations =

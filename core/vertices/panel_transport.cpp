@@ -14,9 +14,9 @@ void PanelTransport::assign(const Shape& shape, const Fill& fill) {
   sh::check_degree(shape.degree);
   shape_ = shape;
   const std::size_t size = shape.channels * sh::coefficient_count(shape.degree) * kBatchVertices;
-  values_.resize(shape.panels * size);
+  values_.resize(panel_count() * size);
   const auto bands = static_cast<std::size_t>(shape.degree) + 1;
-  band_squares_.assign(shape.panels * shape.channels * bands, 0.0f);
+  band_squares_.assign(panel_count() * shape.channels * bands, 0.0f);
   last_band_.clear();
   const auto body = [&](std::size_t panel) {
     thread_local AlignedVector<float> values;
@@ -24,19 +24,19 @@ void PanelTransport::assign(const Shape& shape, const Fill& fill) {
     fill(panel, std::span(values).first(size));
     store(panel, std::span(values).first(size));
   };
-  parallel_for(shape.panels, std::cref(body));
+  parallel_for(panel_count(), std::cref(body));
 }
 
 void PanelTransport::store(std::size_t panel, std::span<const float> values) {
   store_halves(values, values_.data() + panel * values.size());
   const auto bands = static_cast<std::size_t>(shape_.degree) + 1;
   const std::size_t channel = values.size() / shape_.channels;
+  const std::size_t lanes = std::min(kBatchVertices, shape_.vertices - panel * kBatchVertices);
   for (std::size_t c = 0; c < shape_.channels; ++c) {
     float* const squares = band_squares_.data() + (panel * shape_.channels + c) * bands;
     for (std::size_t k = 0; k < bands; ++k) {
       const float* const band = values.data() + c * channel + k * k * kBatchVertices;
-      squares[k] =
-          sum_of_squares({band, (2 * k + 1) * kBatchVertices}) / static_cast<float>(kBatchVertices);
+      squares[k] = sum_of_squares({band, (2 * k + 1) * kBatchVertices}) / static_cast<float>(lanes);
     }
   }
 }
@@ -54,8 +54,8 @@ void PanelTransport::choose_bands(std::span<const float> light, float tolerance)
       light_[c * bands + k] = square / static_cast<float>(2 * k + 1);
     }
   }
-  last_band_.resize(shape_.panels);
-  for (std::size_t panel = 0; panel < shape_.panels; ++panel) {
+  last_band_.resize(panel_count());
+  for (std::size_t panel = 0; panel < panel_count(); ++panel) {
     std::array<float, kLightChannels> dropped{};
     int k = last;
     for (; k > 0; --k) {
@@ -72,8 +72,8 @@ void PanelTransport::choose_bands(std::span<const float> light, float tolerance)
 
 void PanelTransport::apply(std::span<const float> light, std::span<float> to) const {
   constexpr std::size_t kSums = kLightChannels * kBatchVertices;
-  RIMLIGHT_CHECK_EQ(last_band_.size(), shape_.panels);
-  RIMLIGHT_CHECK_EQ(to.size(), shape_.panels * kSums);
+  RIMLIGHT_CHECK_EQ(last_band_.size(), panel_count());
+  RIMLIGHT_CHECK_EQ(to.size(), panel_count() * kSums);
   const std::size_t given = light.size() / kLightChannels;
   const std::size_t count = sh::coefficient_count(shape_.degree);
   const auto body = [&](std::size_t panel) {
@@ -82,7 +82,7 @@ void PanelTransport::apply(std::span<const float> light, std::span<float> to) co
                count, light.data(), given, used},
               to.data() + panel * kSums);
   };
-  parallel_for(shape_.panels, std::cref(body));
+  parallel_for(panel_count(), std::cref(body));
 }
 
 double PanelTransport::left_out() const {

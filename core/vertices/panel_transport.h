@@ -30,7 +30,7 @@ class PanelTransport {
 
   /// Makes room and fills it; panels are filled in parallel. `channels` 1 or 3.
   struct Shape {
-    std::size_t panels = 0;
+    std::size_t vertices = 0;  // packed; the rest of the last panel is padding
     std::size_t channels = 1;
     int degree = 0;
   };
@@ -45,6 +45,7 @@ class PanelTransport {
   void apply(std::span<const float> light, std::span<float> to) const;
 
   const Shape& shape() const { return shape_; }
+  std::size_t panel_count() const { return batch_count(shape_.vertices); }
   /// The share of all coefficients that were chosen away; 0 when there are none.
   double left_out() const;
   std::size_t bytes() const { return values_.size() * sizeof(Half); }

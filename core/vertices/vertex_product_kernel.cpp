@@ -222,18 +222,52 @@ float add_squares(const float* values, std::size_t count) {
   return hn::GetLane(hn::SumOfLanes(floats, sum));
 }
 
-/// By squares that stay in one cache line a row: scalar stores, but each line is read once.
-void transpose(const float* panel, std::size_t coefficients, float* rows, std::size_t stride) {
-  constexpr size_t kSquare = 16;
-  for (size_t first = 0; first < stride; first += kSquare) {
-    const size_t end = HWY_MIN(first + kSquare, coefficients);
-    for (size_t lane = 0; lane < kPanelLanes; ++lane) {
-      float* const to = rows + lane * stride;
-      size_t i = first;
-      for (; i < end; ++i) to[i] = panel[i * kPanelLanes + lane];
-      for (; i < HWY_MIN(first + kSquare, stride); ++i) to[i] = 0;
+/// kLanes rows by kColumns vectors of each, from column `first` on: by symmetry those of the
+/// factors lie side by side.
+template <size_t kLanes, size_t kColumns>
+HWY_INLINE void multiply_lanes(const RowProduct& product, size_t first, size_t lane,
+                               float* const* rows) {
+  const Floats floats;
+  const size_t width = hn::Lanes(floats);
+  hn::Vec<Floats> sum[kLanes][kColumns];
+  for (auto& row : sum) {
+    for (auto& vector : row) vector = hn::Zero(floats);
+  }
+  const float* factor = product.matrix + first;
+  const float* value = product.panel + lane;
+  for (size_t j = 0; j < product.size; ++j, factor += product.stride, value += kPanelLanes) {
+    hn::Vec<Floats> factors[kColumns];
+    for (size_t k = 0; k < kColumns; ++k) factors[k] = hn::LoadU(floats, factor + k * width);
+    for (size_t v = 0; v < kLanes; ++v) {
+      const auto all = hn::Set(floats, value[v]);
+      for (size_t k = 0; k < kColumns; ++k) sum[v][k] = hn::MulAdd(factors[k], all, sum[v][k]);
     }
   }
+  for (size_t v = 0; v < kLanes; ++v) {
+    for (size_t k = 0; k < kColumns; ++k) {
+      hn::StoreU(sum[v][k], floats, rows[lane + v] + first + k * width);
+    }
+  }
+}
+
+template <size_t kColumns>
+HWY_INLINE void multiply_columns(const RowProduct& product, size_t first, size_t count,
+                                 float* const* rows) {
+  constexpr size_t kLanes = hn::MaxLanes(Floats()) == 16 ? 6 : 3;
+  size_t lane = 0;
+  for (; lane + kLanes <= count; lane += kLanes) {
+    multiply_lanes<kLanes, kColumns>(product, first, lane, rows);
+  }
+  for (; lane < count; ++lane) multiply_lanes<1, kColumns>(product, first, lane, rows);
+}
+
+void multiply_rows_of(const RowProduct& product, float* const* rows, size_t count) {
+  const size_t width = hn::Lanes(Floats());
+  size_t first = 0;
+  for (; first + 4 * width <= product.stride; first += 4 * width) {
+    multiply_columns<4>(product, first, count, rows);
+  }
+  for (; first < product.stride; first += width) multiply_columns<1>(product, first, count, rows);
 }
 
 const char* target_name() { return hwy::TargetName(HWY_TARGET); }
@@ -252,7 +286,7 @@ HWY_EXPORT(add_form);
 HWY_EXPORT(sum_batches);
 HWY_EXPORT(to_halves);
 HWY_EXPORT(add_squares);
-HWY_EXPORT(transpose);
+HWY_EXPORT(multiply_rows_of);
 HWY_EXPORT(target_name);
 
 void load_lanes(const LanePiece& piece, std::size_t coefficients, float* panel) noexcept {
@@ -280,9 +314,8 @@ float sum_of_squares(std::span<const float> values) noexcept {
   return HWY_DYNAMIC_DISPATCH(add_squares)(values.data(), values.size());
 }
 
-void transpose_panel(const float* panel, std::size_t coefficients, float* rows,
-                     std::size_t stride) noexcept {
-  HWY_DYNAMIC_DISPATCH(transpose)(panel, coefficients, rows, stride);
+void multiply_to_rows(const RowProduct& product, std::span<float* const> rows) noexcept {
+  HWY_DYNAMIC_DISPATCH(multiply_rows_of)(product, rows.data(), rows.size());
 }
 
 const char* vertex_product_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }

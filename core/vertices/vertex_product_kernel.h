@@ -81,11 +81,15 @@ void store_halves(std::span<const float> values, Half* to) noexcept;
 /// A multiple of 16 values, in float.
 float sum_of_squares(std::span<const float> values) noexcept;
 
-/// rows[lane][coefficient] = panel[coefficient][lane], lanes of `lanes`; rows `stride` floats
-/// apart, whole vectors: `stride` and `coefficients` rounded up to 16 floats are written, zeros at
-/// the end.
-void transpose_panel(const float* panel, std::size_t coefficients, float* rows,
-                     std::size_t stride) noexcept;
+/// The product of one matrix and a panel as rows of coefficients, one a lane:
+///     rows[lane][i] = Σ_j M_ij panel_j      for i of the matrix' stride, a multiple of 16
+/// with the bits of add_matrix_product(); the matrix is padded with zeros, and so are the rows.
+struct RowProduct {
+  const float* matrix;  // [size][stride]
+  std::size_t size, stride;
+  const float* panel;
+};
+void multiply_to_rows(const RowProduct& product, std::span<float* const> rows) noexcept;
 
 /// The SIMD target in use ("AVX3", …).
 const char* vertex_product_target();

@@ -17,7 +17,7 @@ constexpr std::size_t kSums = kLightChannels * kBatchVertices;
 
 /// Each thread's, so that it is allocated once.
 struct PanelWorkspace {
-  AlignedVector<float> visibility, lobes, product, factors;
+  AlignedVector<float> visibility, lobes, factors;
 
   static PanelWorkspace& of_thread() {
     thread_local PanelWorkspace workspace;
@@ -201,15 +201,16 @@ void VertexProducts::incident_by_vertex(const VertexSelection& selection,
   const std::size_t stride = row_stride(), vertex_size = kLightChannels * stride;
   RIMLIGHT_CHECK(selection.vertex_end() * vertex_size <= to.size());
   for_each_index(selection.panel_count(), [&](std::size_t panel) {
-    PanelWorkspace& work = PanelWorkspace::of_thread();
-    float* const product = sized(work.product, kSums * matrix_.size());
-    multiply_panel(selection, panel, product);
-    float* const rows = sized(work.lobes, kBatchVertices * stride);
+    float* const visibility =
+        sized(PanelWorkspace::of_thread().visibility, matrix_.size() * kBatchVertices);
+    load_visibility(selection, panel, visibility);
     for (std::size_t c = 0; c < kLightChannels; ++c) {
-      transpose_panel(product + c * matrix_.size() * kBatchVertices, matrix_.size(), rows, stride);
+      std::array<float*, kBatchVertices> rows{};
       selection.for_each_vertex(panel, [&](std::size_t vertex, std::size_t lane) {
-        std::copy_n(rows + lane * stride, stride, to.data() + vertex * vertex_size + c * stride);
+        rows[lane] = to.data() + vertex * vertex_size + c * stride;
       });
+      multiply_to_rows({matrix_.row(c, 0), matrix_.size(), stride, visibility},
+                       std::span(rows).first(selection.lane_count(panel)));
     }
   });
 }

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/basis/sh_product.h"
+#include "core/vertices/lobe_product.h"
 #include "core/vertices/panel_transport.h"
 #include "core/vertices/vertex_products.h"
 
@@ -45,8 +45,15 @@ class ViewTransport {
   const PanelTransport& highlights() const { return highlights_; }
 
  private:
+  struct Workspace;
+  void prepare_lobes(std::span<const float> factors);
+  void fill_highlights(const VertexSelection& selection, const VertexGloss& gloss,
+                       std::size_t panel, std::span<float> values) const;
+
   VertexProducts products_;  // for its loads; without a light
-  ShProduct product_;
+  LobeProduct product_;
+  std::vector<float> factors_;  // of the lobes
+  std::vector<LobeProduct::Lobe> lobes_;
   PanelTransport irradiance_, highlights_;
 };
 

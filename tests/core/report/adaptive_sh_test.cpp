@@ -43,6 +43,7 @@ TEST(AdaptiveSh, HasARowForEachDegreeAndPolicy) {
     EXPECT_GT(row.full_of_peak, 0);
     EXPECT_LT(row.full_of_peak, 1.5);
     EXPECT_GE(row.psnr_db, row.least_psnr_db);
+    EXPECT_LE(row.fps_view_moves, row.fps_adaptive);
     EXPECT_EQ(row.view_ms > 0, row.policy == "view");
   }
 }
@@ -88,7 +89,7 @@ TEST(AdaptiveSh, ReportsASpeedUpOnlyOverAFullCalculationNearPeak) {
             (std::set<std::string>{"mesh", "light", "policy", "degree", "coefficients", "vertices",
                                    "visible", "fps_full", "full_of_peak", "fps_adaptive", "speedup",
                                    "psnr_db", "least_psnr_db", "filtered_diffuse",
-                                   "filtered_specular", "flicker", "view_ms"}));
+                                   "filtered_specular", "flicker", "view_ms", "fps_view_moves"}));
 }
 
 TEST(AdaptiveSh, RefusesEmptyListsAndBadDegrees) {

@@ -11,6 +11,7 @@
 #include "core/base/parallel.h"
 #include "core/vertices/level_group.h"
 #include "tests/core/vertices/random_vertices.h"
+#include "tests/core/vertices/reference_light.h"
 
 namespace rimlight {
 namespace {
@@ -132,30 +133,75 @@ TEST_F(MultiLevel, PackingChangesNoBit) {
               1 - static_cast<double>(inside) / static_cast<double>(chosen.size()), 1e-12);
 }
 
-/// The algorithm for irradiance, a vertex in double; false where rounding could decide otherwise.
-bool filter_in_double(const MultiLevelLight::Settings& settings, std::span<const double> increments,
+/// Filtering of one vertex in double, from its increments [degree + 1][3]; false where rounding
+/// could decide otherwise.
+bool filter_in_double(int base_degree, double threshold, std::span<const double> increments,
                       std::array<double, 3>& sum) {
-  const std::size_t degrees = increments.size() / 3;
   std::array<double, 3> base{};
   sum = {};
-  for (std::size_t l = 0; l < degrees; ++l) {
+  for (int l = 0; l < static_cast<int>(increments.size() / 3); ++l) {
     double largest = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      sum[c] += increments[3 * l + c];
-      if (l <= static_cast<std::size_t>(settings.base_degree)) base[c] = sum[c];
+      sum[c] += increments[3 * static_cast<std::size_t>(l) + c];
+      if (l <= base_degree) base[c] = sum[c];
       largest = std::max(largest, std::abs(sum[c] - base[c]));
     }
-    if (l <= static_cast<std::size_t>(settings.base_degree)) continue;
-    if (std::abs(largest - static_cast<double>(settings.irradiance_threshold)) < 1e-4) return false;
-    if (largest < static_cast<double>(settings.irradiance_threshold)) break;
+    if (l <= base_degree) continue;
+    if (std::abs(largest - threshold) < 1e-4) return false;
+    if (largest < threshold) break;
   }
   return true;
 }
 
-TEST_F(MultiLevel, FiltersIrradianceAsInDouble) {
-  const MultiLevelLight::Settings settings = {1, 0.3f, kInfinity};
+/// The increments of a vertex' highlight, from products cut off at each degree in turn.
+std::vector<double> highlight_increments(const test::RandomVertices& vertices,
+                                         std::span<const float> light, std::size_t v) {
+  const auto visibility = reference::row_of(vertices.view().visibility, v / kBatchVertices,
+                                            sh::coefficient_count(kDegree), v % kBatchVertices);
+  const std::span<const float> factors(vertices.lobes.data() + vertices.lobe_of[v] * (kDegree + 1),
+                                       kDegree + 1);
+  std::vector<double> increments;
+  std::array<double, 3> last{};
+  for (int l = 0; l <= kDegree; ++l) {
+    const auto end = static_cast<std::ptrdiff_t>(sh::coefficient_count(l));
+    const std::vector<double> cut(visibility.begin(), visibility.begin() + end);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto channel = light.subspan(c * light.size() / 3, light.size() / 3);
+      const double value =
+          reference::highlight(reference::product(cut, channel), factors, vertices.mirrored[v]);
+      increments.push_back(value - last[c]);
+      last[c] = value;
+    }
+  }
+  return increments;
+}
+
+TEST_F(MultiLevel, FiltersHighlightsAsInDouble) {
+  constexpr float kThreshold = 0.1f;
   MultiLevelLight alone(products, no_graph);
-  alone.calculate(selection, vertices.gloss(), settings, irradiance, highlights);
+  alone.calculate(selection, vertices.gloss(), {1, kInfinity, kThreshold}, irradiance, highlights);
+  const auto given = test::RandomVertices::light(2 * kDegree);
+  std::size_t compared = 0, cut = 0;
+  for (std::size_t packed = 0; packed < 300; ++packed) {
+    const auto increments = highlight_increments(vertices, given, chosen[packed]);
+    std::array<double, 3> truth{};
+    if (!filter_in_double(1, static_cast<double>(kThreshold), increments, truth)) continue;
+    const std::size_t at = packed / kBatchVertices * kSums + packed % kBatchVertices;
+    double full = 0;
+    for (std::size_t k = 0; k < increments.size(); k += 3) full += increments[k];
+    if (std::abs(full - truth[0]) > 1e-3) ++cut;
+    for (std::size_t c = 0; c < 3; ++c, ++compared) {
+      EXPECT_NEAR(static_cast<double>(highlights[at + c * kBatchVertices]), truth[c], 2e-5);
+    }
+  }
+  EXPECT_GT(compared, 800u);
+  EXPECT_GT(cut, 20u);
+}
+
+TEST_F(MultiLevel, FiltersIrradianceAsInDouble) {
+  constexpr float kThreshold = 0.3f;
+  MultiLevelLight alone(products, no_graph);
+  alone.calculate(selection, vertices.gloss(), {1, kThreshold, kInfinity}, irradiance, highlights);
   const auto given = test::RandomVertices::light(2 * kDegree);
   std::size_t compared = 0;
   for (std::size_t packed = 0; packed < chosen.size(); ++packed) {
@@ -170,7 +216,7 @@ TEST_F(MultiLevel, FiltersIrradianceAsInDouble) {
       }
     }
     std::array<double, 3> truth{};
-    if (!filter_in_double(settings, increments, truth)) continue;
+    if (!filter_in_double(1, static_cast<double>(kThreshold), increments, truth)) continue;
     const std::size_t at = packed / kBatchVertices * kSums + packed % kBatchVertices;
     for (std::size_t c = 0; c < 3; ++c, ++compared) {
       EXPECT_NEAR(static_cast<double>(irradiance[at + c * kBatchVertices]), truth[c], 1e-5);

@@ -9,8 +9,8 @@
 
 #include "core/base/check.h"
 #include "core/base/parallel.h"
-#include "core/basis/sh_tripling.h"
 #include "tests/core/vertices/random_vertices.h"
+#include "tests/core/vertices/reference_light.h"
 #include "tests/support/allocation_count.h"
 
 namespace rimlight {
@@ -18,44 +18,6 @@ namespace {
 
 constexpr std::size_t kSums = kLightChannels * kBatchVertices;
 using Selected = std::vector<std::uint32_t>;
-
-/// (n + 1)² of one vertex' row of transport, in double.
-std::vector<double> row_of(std::span<const Half> transport, std::size_t block, std::size_t count,
-                           std::size_t lane) {
-  std::vector<double> row(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    row[i] = static_cast<double>(to_float(transport[(block * count + i) * kBatchVertices + lane]));
-  }
-  return row;
-}
-
-/// Σ_j Σ_k C(i, j, k) f_j L_k to the degree of f, one channel of a light of any degree.
-std::vector<double> product(const std::vector<double>& f, std::span<const float> light) {
-  std::vector<double> result(f.size());
-  const int degree = sh::degree_of_count(f.size());
-  ShTripling::to_degree(degree).for_each(
-      [&](std::size_t i, std::size_t j, std::size_t k, double c) {
-        if (k >= light.size()) return;
-        result[i] += c * f[j] * static_cast<double>(light[k]);
-        if (i != j) result[j] += c * f[i] * static_cast<double>(light[k]);
-      });
-  return result;
-}
-
-double highlight(const std::vector<double>& incident, std::span<const float> factors,
-                 const Vec3f& mirrored) {
-  const int degree = sh::degree_of_count(incident.size());
-  const auto values = sh::evaluate(
-      normalized(Vec3d{static_cast<double>(mirrored.x), static_cast<double>(mirrored.y),
-                       static_cast<double>(mirrored.z)}),
-      degree);
-  double sum = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    sum += static_cast<double>(factors[static_cast<std::size_t>(sh::degree_of(i))]) * values[i] *
-           incident[i];
-  }
-  return sum;
-}
 
 /// Every vertex that is a multiple of 3, and the last.
 Selected some_vertices(std::size_t count) {
@@ -124,7 +86,7 @@ TEST(VertexProducts, IrradianceIsTheSumInDouble) {
         for (std::size_t c = 0; c < kLightChannels; ++c) {
           const std::size_t block = vertex / kBatchVertices * channels + (channels == 1 ? 0 : c);
           const auto row =
-              row_of(vertices.view().irradiance, block, count, vertex % kBatchVertices);
+              reference::row_of(vertices.view().irradiance, block, count, vertex % kBatchVertices);
           const double truth = std::inner_product(
               row.begin(), row.end(), light.begin() + static_cast<std::ptrdiff_t>(c * 64), 0.0);
           const float sum = to[panel * kSums + c * kBatchVertices + lane];
@@ -158,21 +120,21 @@ TEST_P(VertexProductsOfDegree, IncidentLightAndHighlightsAreTheSumsInDouble) {
   double worst = 0;
   for (std::size_t panel = 0; panel < selection.panel_count(); ++panel) {
     selection.for_each_vertex(panel, [&](std::size_t vertex, std::size_t lane) {
-      const auto visibility = row_of(vertices.view().visibility, vertex / kBatchVertices, count,
-                                     vertex % kBatchVertices);
+      const auto visibility = reference::row_of(vertices.view().visibility, vertex / kBatchVertices,
+                                                count, vertex % kBatchVertices);
       const std::span<const float> factors(
           vertices.lobes.data() + vertices.lobe_of[vertex] * static_cast<std::size_t>(degree + 1),
           static_cast<std::size_t>(degree) + 1);
       for (std::size_t c = 0; c < kLightChannels; ++c) {
-        const auto truth =
-            product(visibility, std::span(light).subspan(c * light.size() / 3, light.size() / 3));
+        const auto truth = reference::product(
+            visibility, std::span(light).subspan(c * light.size() / 3, light.size() / 3));
         for (std::size_t i = 0; i < count; ++i) {
           const float value =
               panels[panel * kSums * count + (c * count + i) * kBatchVertices + lane];
           worst = std::max(worst, std::abs(static_cast<double>(value) - truth[i]));
           EXPECT_EQ(rows[(vertex * kLightChannels + c) * stride + i], value);
         }
-        const double shine = highlight(truth, factors, vertices.mirrored[vertex]);
+        const double shine = reference::highlight(truth, factors, vertices.mirrored[vertex]);
         const float value = highlights[panel * kSums + c * kBatchVertices + lane];
         worst = std::max(worst, std::abs(static_cast<double>(value) - shine));
       }

@@ -32,10 +32,11 @@ PanelTransport random_panels(std::size_t panels, std::size_t channels, int degre
     values[i] = to_float(to_half(static_cast<float>(random.uniform(-1, 1) / (1 + l * l))));
   }
   PanelTransport transport;
-  transport.assign({panels, channels, degree}, [&](std::size_t panel, std::span<float> to) {
-    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(panel * to.size()), to.size(),
-                to.begin());
-  });
+  transport.assign({panels * kBatchVertices, channels, degree},
+                   [&](std::size_t panel, std::span<float> to) {
+                     std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(panel * to.size()),
+                                 to.size(), to.begin());
+                   });
   return transport;
 }
 
@@ -98,6 +99,24 @@ TEST(PanelTransport, LeavesOutWhatTheToleranceSays) {
   const double worst = *std::ranges::max_element(square);
   EXPECT_LT(worst, 1.1 * static_cast<double>(kTolerance));
   EXPECT_GT(worst, 0.2 * static_cast<double>(kTolerance)) << "no more than needed";
+}
+
+TEST(PanelTransport, PaddingDoesNotThinOutWhatIsLeftOut) {
+  const auto light = test::RandomVertices::light(6);
+  std::array<double, 2> left_out{};
+  for (const std::size_t vertices : {std::size_t{1}, kBatchVertices}) {
+    PanelTransport transport;
+    transport.assign({vertices, 1, 6}, [&](std::size_t, std::span<float> to) {
+      for (std::size_t k = 0; k < to.size(); ++k) {
+        const auto l = static_cast<float>(sh::degree_of(k / kBatchVertices));
+        to[k] = k % kBatchVertices < vertices ? 1 / (1 + l * l * l) : 0;
+      }
+    });
+    transport.choose_bands(light, 0.02f);
+    left_out[vertices == 1 ? 0 : 1] = transport.left_out();
+  }
+  EXPECT_EQ(left_out[0], left_out[1]);
+  EXPECT_GT(left_out[0], 0);
 }
 
 TEST(PanelTransport, WantsAChoiceFirst) {
