@@ -87,22 +87,41 @@ inline VertexMesh sphere_on_floor(int rings, int floor_side) {
   return mesh;
 }
 
-/// Random transport under which no vertex is dark: the mean of the light outweighs the rest.
+/// Random transport under which no vertex is dark: the mean of the light outweighs the rest. Lanes
+/// of padding are zero, as in bakes.
 struct LitVertices {
   RandomVertices random;
-  AlignedVector<Half> irradiance;
+  AlignedVector<Half> irradiance, visibility;
 
   explicit LitVertices(const RandomVertices::Shape& shape) : random(shape) {
-    const auto given = random.view().irradiance;
-    irradiance.assign(given.begin(), given.end());
-    const std::size_t block = sh::coefficient_count(shape.irradiance_degree) * kBatchVertices;
+    const VertexTransportView given = random.view();
+    const std::size_t of_irradiance =
+        shape.channels * sh::coefficient_count(shape.irradiance_degree);
+    irradiance = padded(given.irradiance, shape.vertices, of_irradiance);
+    visibility =
+        padded(given.visibility, shape.highlights, sh::coefficient_count(shape.visibility_degree));
+    const std::size_t channel = of_irradiance / shape.channels * kBatchVertices;
     for (std::size_t i = 0; i < irradiance.size(); ++i) {
-      if (i % block < kBatchVertices) irradiance[i] = to_half(3);
+      const std::size_t batch = i / (channel * shape.channels);
+      const bool is_vertex = batch * kBatchVertices + i % kBatchVertices < shape.vertices;
+      if (i % channel < kBatchVertices && is_vertex) irradiance[i] = to_half(3);
     }
   }
   VertexTransportView view() const {
     VertexTransportView result = random.view();
     result.irradiance = irradiance;
+    result.visibility = visibility;
+    return result;
+  }
+
+ private:
+  static AlignedVector<Half> padded(std::span<const Half> given, std::size_t vertices,
+                                    std::size_t rows) {
+    AlignedVector<Half> result(given.begin(), given.end());
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      const std::size_t batch = i / (rows * kBatchVertices);
+      if (batch * kBatchVertices + i % kBatchVertices >= vertices) result[i] = 0;
+    }
     return result;
   }
 };

@@ -74,14 +74,16 @@ TEST(VertexLight, TurningIsProjectingTurnedDirections) {
   for (std::size_t i = 0; i < turned.size(); ++i) {
     size += std::abs(expected[i]);
     change += std::abs(expected[i] - light.coefficients()[i]);
-    EXPECT_NEAR(turned[i], expected[i], 2e-4);  // of some 100: float projections of 1,536 texels
+    EXPECT_NEAR(turned[i], expected[i], 2e-4);  // of some 75: float projections of 1,536 texels
   }
-  EXPECT_GT(size, 100);
-  EXPECT_GT(change, 10);
+  EXPECT_GT(size, 50);
+  EXPECT_GT(change, 5);
 }
 
 TEST(VertexLight, WindowsLeaveTheMeanAndTakeTheRinging) {
-  const CubeLight texels = test::sky("sky", 1)->project(16);
+  CubeLight texels(16);  // a small sun in an even sky
+  std::ranges::fill(texels.values, 0.5f);
+  for (int c = 0; c < 3; ++c) texels.channel(c)[300] = 300;
   const VertexLight plain(texels, 9, LightWindow::none);
   const auto least = [](const VertexLight& light) {
     const auto values =
