@@ -31,6 +31,7 @@ struct BakeOptions {
   std::string transfer;
   int most_rays = 0;
   bool keep_bands = false;
+  std::optional<double> longest_edge;
   std::size_t reference_receivers = 0;
   int threads = 0;
   bool json = false;
@@ -62,6 +63,7 @@ void override_settings(const BakeOptions& options, BakeSettings& bake) {
   if (!options.transfer.empty()) bake.vertex.transfer = kTransfers.at(options.transfer);
   if (options.most_rays > 0) bake.vertex.most_rays = options.most_rays;
   if (options.keep_bands) bake.vertex.keep_bands = true;
+  if (options.longest_edge) bake.vertex.longest_edge = *options.longest_edge;
 }
 
 /// Options that the bake's kind does not have are a mistake, not to be passed over.
@@ -69,15 +71,17 @@ void check_options(const BakeOptions& options, BakeKind kind) {
   const bool of_images =
       options.cube_size > 0 || options.psnr_db > 0 || options.reference_receivers > 0;
   const bool of_vertices = options.degree || options.error || !options.transfer.empty() ||
-                           options.most_rays > 0 || options.keep_bands;
+                           options.most_rays > 0 || options.keep_bands || options.longest_edge;
   if (kind == BakeKind::vertex_sh && of_images) {
     throw Error("options", "--cube-size, --psnr or --reference for kind vertex_sh",
                 "those of vertices, or --kind image_haar");
   }
   if (kind == BakeKind::image_haar && of_vertices) {
-    throw Error("options",
-                "--degree, --error, --transfer, --most-rays or --keep-bands for kind image_haar",
-                "those of images, or --kind vertex_sh");
+    throw Error(
+        "options",
+        "--degree, --error, --transfer, --most-rays, --keep-bands or --longest-edge for kind "
+        "image_haar",
+        "those of images, or --kind vertex_sh");
   }
 }
 
@@ -191,6 +195,12 @@ void add_vertex_options(CLI::App& command, BakeOptions& options) {
       ->check(CLI::Range(64, 1 << 20));
   command.add_flag("--keep-bands", options.keep_bands,
                    "vertex_sh: store bands that the error does not need, too");
+  command
+      .add_option(
+          "--longest-edge", options.longest_edge,
+          "vertex_sh: split longer edges, as a share of the longest side of the scene's box "
+          "(0: none), instead of the scene's")
+      ->check(number_range(0, 1));
 }
 
 }  // namespace

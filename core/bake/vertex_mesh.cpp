@@ -5,6 +5,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/bake/mesh_refinement.h"
 #include "core/bake/vertex_material.h"
 #include "core/base/error.h"
 #include "core/scene/mesh_geometry.h"
@@ -103,7 +104,10 @@ class Joiner {
     for (const Triangle& t : mesh.triangles) {
       for (const std::uint32_t i : t) used[i] = true;
     }
-    const std::vector<bool> computed = complete_normals(mesh, used);
+    std::vector<bool> computed = complete_normals(mesh, used);
+    refine_edges(mesh);
+    used.resize(mesh.positions.size(), true);
+    computed.resize(mesh.positions.size(), false);
     const bool has_highlight = max_component(result_.materials[mesh.material].highlight) > 0;
     std::vector<std::uint32_t> place(mesh.positions.size());
     for (std::size_t i = 0; i < place.size(); ++i) {
@@ -148,6 +152,19 @@ class Joiner {
   }
 
  private:
+  void refine_edges(Mesh& mesh) {
+    const double share = scene_.bake.vertex.longest_edge;
+    if (!(share > 0)) return;
+    const std::size_t before = mesh.positions.size();
+    if (!refine(mesh, share * side_, kMostAddedVertices - result_.added_vertices)) {
+      throw Error(scene_.name,
+                  "longest_edge " + std::to_string(share) + ", which takes more than " +
+                      std::to_string(kMostAddedVertices) + " new vertices",
+                  "a larger one, or 0 to leave meshes as they are");
+    }
+    result_.added_vertices += mesh.positions.size() - before;
+  }
+
   void append(const Corner& corner) {
     VertexMesh& mesh = result_.mesh;
     mesh.positions.push_back(corner.position);

@@ -1,6 +1,7 @@
 #include "core/bake/vertex_packing.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "core/base/check.h"
 #include "core/base/parallel.h"
@@ -10,6 +11,10 @@ namespace rimlight {
 namespace {
 
 using Channels = std::vector<std::vector<float>>;
+
+/// L2 over the sphere, of what is not shadowed: ∫ cos² over the hemisphere is 2π/3, ∫ 1 is 2π.
+const double kCosineNorm = std::sqrt(2 * std::numbers::pi / 3);
+const double kHemisphereNorm = std::sqrt(2 * std::numbers::pi);
 
 /// Σ over channels and vertices of each band's energy.
 std::vector<double> band_energies(const Channels& channels, int degree) {
@@ -26,27 +31,29 @@ std::vector<double> band_energies(const Channels& channels, int degree) {
 
 struct KeptBands {
   int degree = 0;    // the last
-  double error = 0;  // rms, of those left out
+  double error = 0;  // relative, of those left out
 };
 
-KeptBands keep_bands(const Channels& channels, int degree, const LeavingOut& leaving_out) {
+/// `norm`: of what errors are a share.
+KeptBands keep_bands(const Channels& channels, int degree, double norm,
+                     const LeavingOut& leaving_out) {
   KeptBands kept{degree, 0};
-  std::size_t count = 0;
-  for (const auto& values : channels) count += values.size();
-  if (leaving_out.keep_bands || count == 0) return kept;
+  std::size_t rows = 0;  // vertices and channels
+  for (const auto& values : channels) rows += values.size() / sh::coefficient_count(degree);
+  if (leaving_out.keep_bands || rows == 0) return kept;
   const std::vector<double> energies = band_energies(channels, degree);
   double dropped = 0;
   while (kept.degree > 0) {
     dropped += energies[static_cast<std::size_t>(kept.degree)];
-    const double error = std::sqrt(dropped / static_cast<double>(count));
+    const double error = std::sqrt(dropped / static_cast<double>(rows)) / norm;
     if (!(error <= leaving_out.error)) break;
     kept = {kept.degree - 1, error};
   }
   return kept;
 }
 
-/// The mean of three channels, and how far they are from it, rms.
-std::pair<std::vector<float>, double> grey_of(const Channels& channels) {
+/// The mean of three channels, and how far they are from it, as a share of the clamped cosine.
+std::pair<std::vector<float>, double> grey_of(const Channels& channels, std::size_t vertices) {
   std::vector<float> grey(channels[0].size());
   double squares = 0;
   for (std::size_t i = 0; i < grey.size(); ++i) {
@@ -56,7 +63,7 @@ std::pair<std::vector<float>, double> grey_of(const Channels& channels) {
       squares += difference * difference;
     }
   }
-  return {std::move(grey), std::sqrt(squares / (3 * static_cast<double>(channels[0].size())))};
+  return {std::move(grey), std::sqrt(squares / (3 * static_cast<double>(vertices))) / kCosineNorm};
 }
 
 /// [batch][channel][coefficients to `stored`][lane]; padding stays zero.
@@ -82,7 +89,7 @@ nlohmann::json describe(const KeptBands& kept, int degree) {
       {"degree_asked", degree},
       {"degree_stored", kept.degree},
       {"coefficients_left_out", sh::coefficient_count(degree) - sh::coefficient_count(kept.degree)},
-      {"rms_error", kept.error}};
+      {"relative_error", kept.error}};
 }
 
 }  // namespace
@@ -93,24 +100,26 @@ StoredTransport pack(const CalculatedTransport& transport, const LeavingOut& lea
   const Channels* irradiance = &transport.irradiance;
   double colour_error = 0;
   if (irradiance->size() == 3) {
-    auto [values, error] = grey_of(*irradiance);
+    auto [values, error] = grey_of(*irradiance, transport.vertex_count);
     if (error <= leaving_out.error && !leaving_out.keep_bands) {
       grey.push_back(std::move(values));
       irradiance = &grey;
       colour_error = error;
     }
   }
-  const KeptBands kept = keep_bands(*irradiance, transport.degree, leaving_out);
+  const KeptBands kept = keep_bands(*irradiance, transport.degree, kCosineNorm, leaving_out);
   const Channels visibility = {transport.visibility};
-  const KeptBands kept_visibility = keep_bands(visibility, transport.degree, leaving_out);
+  const KeptBands kept_visibility =
+      keep_bands(visibility, transport.degree, kHemisphereNorm, leaving_out);
   stored.irradiance =
       to_batches(*irradiance, transport.vertex_count, transport.degree, kept.degree);
   stored.visibility =
       to_batches(visibility, transport.highlight_count, transport.degree, kept_visibility.degree);
-  stored.left_out = {{"irradiance", describe(kept, transport.degree)},
-                     {"irradiance_colour",
-                      {{"channels_left_out", 3 - irradiance->size()}, {"rms_error", colour_error}}},
-                     {"visibility", describe(kept_visibility, transport.degree)}};
+  stored.left_out = {
+      {"irradiance", describe(kept, transport.degree)},
+      {"irradiance_colour",
+       {{"channels_left_out", 3 - irradiance->size()}, {"relative_error", colour_error}}},
+      {"visibility", describe(kept_visibility, transport.degree)}};
   stored.left_out["visibility"]["vertices_left_out"] =
       transport.vertex_count - transport.highlight_count;
   stored.view = {.vertex_count = transport.vertex_count,

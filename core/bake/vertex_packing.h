@@ -19,8 +19,10 @@ struct CalculatedTransport {
 
 /// What is left out of storage.
 struct LeavingOut {
-  /// What bands of the highest degrees, or differences between channels, may cost: root mean square
-  /// over all vertices and the (n + 1)² coefficients.
+  /// What bands of the highest degrees, or differences between channels, may cost: what they hold
+  /// at a vertex (and channel), as an L2 norm over the sphere, root mean square over these, as a
+  /// share of the norm of what is not shadowed: √(2π/3), of the clamped cosine, for irradiance,
+  /// √(2π), of the hemisphere, for visibility.
   double error = 0.01;
   bool keep_bands = false;
 };

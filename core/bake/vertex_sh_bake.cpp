@@ -182,10 +182,12 @@ VertexBakeManifest describe(const Scene& scene, const PreparedVertices& prepared
                        {"transfer", transfer_name(vertex.transfer)},
                        {"most_rays", vertex.most_rays},
                        {"keep_bands", vertex.keep_bands},
+                       {"longest_edge", vertex.longest_edge},
                        {"seed", scene.bake.seed}};
   manifest.measured = calculated.measured;
   manifest.measured["mesh"] = {{"computed_normals", prepared.computed_normals},
-                               {"joined_vertices", prepared.joined_vertices}};
+                               {"joined_vertices", prepared.joined_vertices},
+                               {"added_vertices", prepared.added_vertices}};
   manifest.left_out = stored.left_out;
   manifest.left_out["mesh"] = {
       {"unused_vertices", prepared.unused_vertices},

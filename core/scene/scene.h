@@ -70,6 +70,8 @@ struct VertexBakeSettings {
   VertexTransfer transfer = VertexTransfer::interreflected;
   int most_rays = 4096;     // per vertex, for its visibility; as many for its indirect light
   bool keep_bands = false;  // those, too, that the error does not need
+  /// Longer edges are split, as a share of the longest side of the scene's box; 0: none is.
+  double longest_edge = 0.005;
 };
 
 /// What to bake, with DESIGN's defaults.

@@ -44,8 +44,8 @@ class VertexProgram : public ::testing::Test {
 };
 
 TEST_F(VertexProgram, BakesAndInspects) {
-  const std::string scene =
-      write_scene(R"({ "kind": "vertex_sh", "degree": 6, "error": 0.03, "width": 64 })");
+  const std::string scene = write_scene(
+      R"({ "kind": "vertex_sh", "degree": 6, "error": 0.03, "longest_edge": 0, "width": 64 })");
   const ProgramResult baked = run_program({"bake", scene, "-o", path("a.bake"), "--json"});
   ASSERT_EQ(baked.status, 0) << baked.errors;
   EXPECT_THAT(baked.errors, HasSubstr("tracing visibility"));
@@ -75,9 +75,10 @@ TEST_F(VertexProgram, BakesAndInspects) {
 
 TEST_F(VertexProgram, OptionsTakeThePlaceOfTheScenes) {
   const std::string scene = write_scene(R"({ "width": 64, "height": 64 })");
-  const ProgramResult baked = run_program(
-      {"bake", scene, "-o", path("a.bake"), "--kind", "vertex_sh", "--degree", "3", "--error",
-       "0.05", "--transfer", "unshadowed", "--most-rays", "100", "--keep-bands", "--json"});
+  const ProgramResult baked =
+      run_program({"bake", scene, "-o", path("a.bake"), "--kind", "vertex_sh", "--degree", "3",
+                   "--error", "0.05", "--transfer", "unshadowed", "--most-rays", "100",
+                   "--keep-bands", "--longest-edge", "0.1", "--json"});
   ASSERT_EQ(baked.status, 0) << baked.errors;
   const json settings =
       json::parse(run_program({"inspect", path("a.bake"), "--json"}).output).at("settings");
@@ -86,6 +87,8 @@ TEST_F(VertexProgram, OptionsTakeThePlaceOfTheScenes) {
   EXPECT_EQ(settings.at("transfer"), "unshadowed");
   EXPECT_EQ(settings.at("most_rays"), 100);
   EXPECT_EQ(settings.at("keep_bands"), true);
+  EXPECT_EQ(settings.at("longest_edge"), 0.1);
+  EXPECT_GT(json::parse(baked.output).at("vertices").get<int>(), 250);  // 4 of the floor were
   EXPECT_EQ(json::parse(baked.output).at("irradiance_degree"), 3);
 }
 
@@ -97,6 +100,8 @@ TEST_F(VertexProgram, WhatDoesNotFitIsAnErrorAndLeavesNothing) {
                                               {"--error", "nan"},
                                               {"--transfer", "magic"},
                                               {"--most-rays", "1"},
+                                              {"--longest-edge", "-0.1"},
+                                              {"--longest-edge", "nan"},
                                               {"--kind", "cloud"}}) {
     std::vector<std::string> command = {"bake", scene, "-o", path("a.bake")};
     command.insert(command.end(), bad.begin(), bad.end());

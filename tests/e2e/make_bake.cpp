@@ -87,6 +87,7 @@ void bake_its_vertices(const std::shared_ptr<Scene>& scene, const char* folder) 
   scene->bake.vertex.degree = 6;
   scene->bake.vertex.error = 0.05;
   scene->bake.vertex.most_rays = 256;
+  scene->bake.vertex.longest_edge = 0;
   Brdf& clay = scene->materials[1].brdf;
   clay.model = BrdfModel::phong;
   clay.specular = {0.2f, 0.2f, 0.2f};

@@ -22,6 +22,7 @@ inline std::shared_ptr<Scene> scene_of(std::vector<Mesh> meshes) {
   scene->name = "test";
   scene->materials.push_back({"grey", Brdf{}, nullptr});
   scene->meshes = std::move(meshes);
+  scene->bake.vertex.longest_edge = 0;  // vertices as they are given
   return scene;
 }
 
