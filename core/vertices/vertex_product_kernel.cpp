@@ -147,15 +147,19 @@ HWY_INLINE void add_rows(const ChannelMatrices& matrices, const BilinearForm& fo
 template <size_t kVectors>
 HWY_INLINE void add_all_rows(const ChannelMatrices& matrices, const BilinearForm& form, size_t lane,
                              float* HWY_RESTRICT sums) {
+  // Blocks of one row leave the multipliers waiting for each other: threes take up what fours
+  // leave.
+  constexpr size_t kThrees[4] = {0, 3, 2, 1};
+  const size_t count = form.rows.end - form.rows.begin;
+  const size_t in_threes = HWY_MIN(3 * kThrees[count % 4], count / 3 * 3);
   size_t row = form.rows.begin;
-  for (; row + 4 <= form.rows.end; row += 4) {
+  for (; row + 4 <= form.rows.end - in_threes; row += 4) {
     add_rows<4, kVectors>(matrices, form, row, lane, sums);
   }
-  if (form.rows.end - row == 3) {
+  for (; row + 3 <= form.rows.end; row += 3) {
     add_rows<3, kVectors>(matrices, form, row, lane, sums);
-  } else {
-    for (; row < form.rows.end; ++row) add_rows<1, kVectors>(matrices, form, row, lane, sums);
   }
+  for (; row < form.rows.end; ++row) add_rows<1, kVectors>(matrices, form, row, lane, sums);
 }
 
 void add_form(const ChannelMatrices& matrices, const BilinearForm& form, float* sums) {
