@@ -6,6 +6,8 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep; before highway.h
 #include <hwy/highway.h>
 
+#include <algorithm>
+
 HWY_BEFORE_NAMESPACE();
 namespace rimlight {
 namespace HWY_NAMESPACE {
@@ -320,6 +322,20 @@ float sum_of_squares(std::span<const float> values) noexcept {
 
 void multiply_to_rows(const RowProduct& product, std::span<float* const> rows) noexcept {
   HWY_DYNAMIC_DISPATCH(multiply_rows_of)(product, rows.data(), rows.size());
+}
+
+// By squares that stay in one cache line a row: scalar stores, but each line is read once.
+void transpose_panel(const float* panel, std::size_t coefficients, float* rows,
+                     std::size_t stride) noexcept {
+  constexpr std::size_t kSquare = 16;
+  for (std::size_t first = 0; first < stride; first += kSquare) {
+    const std::size_t last = std::min(first + kSquare, stride);
+    for (std::size_t lane = 0; lane < kPanelLanes; ++lane) {
+      for (std::size_t i = first; i < last; ++i) {
+        rows[lane * stride + i] = i < coefficients ? panel[i * kPanelLanes + lane] : 0;
+      }
+    }
+  }
 }
 
 const char* vertex_product_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }
