@@ -125,6 +125,7 @@ class Player {
     const server::Revision revision{reply.member("epoch").integer(0, server::kLargestWhole),
                                     reply.member("revision").integer(0, server::kLargestWhole)};
     if (revision < record_.state_revision) return;
+    record_.state_revision = revision;
     record_.state = server::read_state(reply.member("state"));
   }
 

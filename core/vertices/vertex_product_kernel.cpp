@@ -6,6 +6,8 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep; before highway.h
 #include <hwy/highway.h>
 
+#include <algorithm>
+
 HWY_BEFORE_NAMESPACE();
 namespace rimlight {
 namespace HWY_NAMESPACE {
@@ -147,15 +149,19 @@ HWY_INLINE void add_rows(const ChannelMatrices& matrices, const BilinearForm& fo
 template <size_t kVectors>
 HWY_INLINE void add_all_rows(const ChannelMatrices& matrices, const BilinearForm& form, size_t lane,
                              float* HWY_RESTRICT sums) {
+  // Blocks of one row leave the multipliers waiting for each other: threes take up what fours
+  // leave.
+  constexpr size_t kThrees[4] = {0, 3, 2, 1};
+  const size_t count = form.rows.end - form.rows.begin;
+  const size_t in_threes = HWY_MIN(3 * kThrees[count % 4], count / 3 * 3);
   size_t row = form.rows.begin;
-  for (; row + 4 <= form.rows.end; row += 4) {
+  for (; row + 4 <= form.rows.end - in_threes; row += 4) {
     add_rows<4, kVectors>(matrices, form, row, lane, sums);
   }
-  if (form.rows.end - row == 3) {
+  for (; row + 3 <= form.rows.end; row += 3) {
     add_rows<3, kVectors>(matrices, form, row, lane, sums);
-  } else {
-    for (; row < form.rows.end; ++row) add_rows<1, kVectors>(matrices, form, row, lane, sums);
   }
+  for (; row < form.rows.end; ++row) add_rows<1, kVectors>(matrices, form, row, lane, sums);
 }
 
 void add_form(const ChannelMatrices& matrices, const BilinearForm& form, float* sums) {
@@ -316,6 +322,20 @@ float sum_of_squares(std::span<const float> values) noexcept {
 
 void multiply_to_rows(const RowProduct& product, std::span<float* const> rows) noexcept {
   HWY_DYNAMIC_DISPATCH(multiply_rows_of)(product, rows.data(), rows.size());
+}
+
+// By squares that stay in one cache line a row: scalar stores, but each line is read once.
+void transpose_panel(const float* panel, std::size_t coefficients, float* rows,
+                     std::size_t stride) noexcept {
+  constexpr std::size_t kSquare = 16;
+  for (std::size_t first = 0; first < stride; first += kSquare) {
+    const std::size_t last = std::min(first + kSquare, stride);
+    for (std::size_t lane = 0; lane < kPanelLanes; ++lane) {
+      for (std::size_t i = first; i < last; ++i) {
+        rows[lane * stride + i] = i < coefficients ? panel[i * kPanelLanes + lane] : 0;
+      }
+    }
+  }
 }
 
 const char* vertex_product_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }

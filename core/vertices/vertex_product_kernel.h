@@ -91,6 +91,11 @@ struct RowProduct {
 };
 void multiply_to_rows(const RowProduct& product, std::span<float* const> rows) noexcept;
 
+/// rows[lane][coefficient] = panel[coefficient][lane], rows `stride` floats apart; from
+/// `coefficients` up to the stride zeros.
+void transpose_panel(const float* panel, std::size_t coefficients, float* rows,
+                     std::size_t stride) noexcept;
+
 /// The SIMD target in use ("AVX3", …).
 const char* vertex_product_target();
 

@@ -102,6 +102,6 @@ export class Materials {
     this.#highlight.value = Math.max(...highlight);
     this.#highlightValue.textContent = `${Math.round(100 * Math.max(...highlight))} %`;
     this.#exponent.value = placeOf(exponent);
-    this.#exponentValue.textContent = exponent.toPrecision(2);
+    this.#exponentValue.textContent = exponent < 10 ? exponent.toFixed(1) : String(Math.round(exponent));
   }
 }

@@ -199,6 +199,19 @@ TEST(VertexProducts, AllocatesNothingOnceWarm) {
   EXPECT_NE(sums[0], 0);
 }
 
+TEST(PanelTransposition, PutsLanesInRowsAndPadsThem) {
+  for (const std::size_t coefficients : {std::size_t{1}, std::size_t{16}, std::size_t{25}}) {
+    constexpr std::size_t kStride = 40;
+    std::vector<float> panel(coefficients * kBatchVertices), rows(kStride * kBatchVertices, NAN);
+    std::iota(panel.begin(), panel.end(), 1.0f);
+    transpose_panel(panel.data(), coefficients, rows.data(), kStride);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const std::size_t lane = k / kStride, i = k % kStride;
+      EXPECT_EQ(rows[k], i < coefficients ? panel[i * kBatchVertices + lane] : 0) << k;
+    }
+  }
+}
+
 TEST(VertexProducts, RefusesWhatDoesNotFit) {
   const test::RandomVertices vertices({100, 64, 3, 4});
   VertexTransportView view = vertices.view();
