@@ -13,6 +13,9 @@ using Triangle = std::array<std::uint32_t, 3>;
 /// Instead of a middle's index: the edge stays whole.
 constexpr std::uint32_t kWhole = 0xffff'ffff;
 
+/// The longest part of an edge that is split, as a share of it: a half, but for rounding.
+constexpr double kLongestPart = 0.75;
+
 /// One round: every edge of the mesh as it is, split or not.
 class Round {
  public:
@@ -34,9 +37,18 @@ class Round {
   bool has_split() const { return !middles_.empty(); }
 
  private:
-  double distance_squared(std::uint32_t a, std::uint32_t b) const {
-    const Vec3d side = Vec3d(mesh_.positions[a]) - Vec3d(mesh_.positions[b]);
+  static double distance_squared(const Vec3f& p, const Vec3f& q) {
+    const Vec3d side = Vec3d(p) - Vec3d(q);
     return dot(side, side);
+  }
+  double distance_squared(std::uint32_t a, std::uint32_t b) const {
+    return distance_squared(mesh_.positions[a], mesh_.positions[b]);
+  }
+
+  /// Not where floats are too far apart for a middle.
+  static bool is_between(const Vec3f& middle, const Vec3f& p, const Vec3f& q) {
+    const double part = std::max(distance_squared(middle, p), distance_squared(middle, q));
+    return part <= kLongestPart * kLongestPart * distance_squared(p, q);
   }
 
   /// The vertex in the middle of an edge, made where it is not yet, or kWhole.
@@ -45,7 +57,7 @@ class Round {
     const Vec3f& p = mesh_.positions[a];
     const Vec3f& q = mesh_.positions[b];
     const Vec3f middle((Vec3d(p) + Vec3d(q)) * 0.5);  // the same for (b, a)
-    if (middle == p || middle == q) return kWhole;
+    if (!is_between(middle, p, q)) return kWhole;
     const std::uint64_t key = static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
     const auto [found, is_new] =
         middles_.try_emplace(key, static_cast<std::uint32_t>(mesh_.positions.size()));

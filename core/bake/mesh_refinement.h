@@ -10,7 +10,7 @@ namespace rimlight {
 /// rounds, until none is: a triangle becomes 2, 3 or 4, by how many of its edges are split. Whether
 /// and where depends on an edge's two ends alone, so that triangles that share one agree, also
 /// those of other meshes with the same two positions: no T-junctions come to be, and what is closed
-/// stays so. An edge stays longer only where no float lies between its ends.
+/// stays so. An edge stays longer only where no float is near its middle.
 ///
 /// Middles have the mean position, texture coordinate and normal (unit; the mesh has one for each
 /// of its vertices). They come after the mesh's vertices, which keep their indices. Triangles keep

@@ -9,7 +9,7 @@
 
 namespace rimlight {
 
-inline constexpr std::size_t kMostAddedVertices = std::size_t{1} << 22;
+inline constexpr std::size_t kMostAddedVertices = std::size_t{1} << 21;
 
 /// A scene's meshes as one, ready to be baked.
 struct PreparedVertices {

@@ -71,7 +71,7 @@ struct VertexBakeSettings {
   int most_rays = 4096;     // per vertex, for its visibility; as many for its indirect light
   bool keep_bands = false;  // those, too, that the error does not need
   /// Longer edges are split, as a share of the longest side of the scene's box; 0: none is.
-  double longest_edge = 0.005;
+  double longest_edge = 0.01;
 };
 
 /// What to bake, with DESIGN's defaults.

@@ -86,7 +86,7 @@ TEST(VertexPacking, KeepsEverythingWhereAsked) {
 TEST(VertexPacking, LeavesOutBandsAndSaysWhatThatCosts) {
   const CalculatedTransport transport = falling(3, 3);
   int last = 7;
-  for (const double error : {1e-4, 0.01, 0.06, 0.2}) {
+  for (const double error : {5e-4, 0.05, 0.3, 1.0}) {
     const StoredTransport stored = pack(transport, {.error = error});
     const int degree = stored.view.irradiance_degree;
     ASSERT_EQ(stored.view.irradiance_channels, 3u);
@@ -98,7 +98,7 @@ TEST(VertexPacking, LeavesOutBandsAndSaysWhatThatCosts) {
     EXPECT_EQ(said["coefficients_left_out"], 49u - sh::coefficient_count(degree));
     EXPECT_LE(said["relative_error"].get<double>(), error);
     EXPECT_NEAR(relative_difference(transport, stored.view), said["relative_error"].get<double>(),
-                2e-4);
+                1e-3);  // halves, 49 of them
     // One band less would cost more than allowed.
     if (degree == 6) continue;
     CalculatedTransport lower = transport;
@@ -111,6 +111,33 @@ TEST(VertexPacking, LeavesOutBandsAndSaysWhatThatCosts) {
     EXPECT_GT(std::sqrt(energy / (3 * 130)) / std::sqrt(2 * std::numbers::pi / 3), error);
   }
   EXPECT_LT(last, 5);
+}
+
+/// Of the clamped cosine's energy, 2π/3, half is in band 1; of the hemisphere's, 2π, 3/8.
+TEST(VertexPacking, AnOpenVertexLosesItsShareOfUnshadowedLight) {
+  constexpr double kPi = std::numbers::pi;
+  CalculatedTransport open{
+      .vertex_count = 70, .highlight_count = 5, .degree = 1, .irradiance = {{}}, .visibility = {}};
+  for (std::size_t v = 0; v < 70; ++v) {
+    for (const double c : {std::sqrt(kPi) / 2, 0.0, std::sqrt(kPi / 3), 0.0}) {
+      open.irradiance[0].push_back(static_cast<float>(c));
+    }
+    if (v >= 5) continue;
+    for (const double c : {std::sqrt(kPi), 0.0, std::sqrt(3 * kPi) / 2, 0.0}) {
+      open.visibility.push_back(static_cast<float>(c));
+    }
+  }
+  const auto degrees = [&](double error) {
+    const StoredTransport stored = pack(open, {.error = error});
+    return std::pair(stored.view.irradiance_degree, stored.view.visibility_degree);
+  };
+  EXPECT_EQ(degrees(0.61), std::pair(1, 1));
+  EXPECT_EQ(degrees(0.62), std::pair(1, 0));
+  EXPECT_EQ(degrees(0.70), std::pair(1, 0));
+  EXPECT_EQ(degrees(0.71), std::pair(0, 0));
+  const auto left_out = pack(open, {.error = 1}).left_out;
+  EXPECT_NEAR(left_out["irradiance"]["relative_error"].get<double>(), std::sqrt(0.5), 1e-6);
+  EXPECT_NEAR(left_out["visibility"]["relative_error"].get<double>(), std::sqrt(0.375), 1e-6);
 }
 
 TEST(VertexPacking, OneChannelIsEnoughForLightWithoutColour) {
