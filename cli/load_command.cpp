@@ -27,6 +27,7 @@ struct LoadOptions {
   std::string bake;
   std::string script;
   std::string sequence;
+  std::string window;  // empty: the default
   int clients = 1;
   std::optional<double> seconds;
   bool shared_session = false;
@@ -103,11 +104,13 @@ int load(LoadOptions options) {
   if (!options.bake.empty() && options.scene.empty()) {
     options.scene = server::scene_name(options.bake);
   }
+  VertexSettings vertices;
+  if (!options.window.empty()) vertices.window = parse_window(options.window, "--window");
   const std::vector<LoadRecord> records = play_all(options);
   const bool is_default = options.script.empty() && options.sequence.empty();
   LoadReport report =
       summarize(records, is_default ? ScriptKind::every_edit_changes : ScriptKind::any);
-  report.checks.push_back(compare_with_bake(records, options.bake));
+  report.checks.push_back(compare_with_bake(records, options.bake, vertices));
   const std::string text = options.json ? report.to_json().dump() + "\n" : report.to_text();
   std::fputs(text.c_str(), stdout);
   return report.passed() ? 0 : 1;
@@ -132,6 +135,8 @@ void add_load_command(CLI::App& app, Action& chosen) {
   command->add_option("--scene", options->scene, "The scene to open [the server's default]");
   command->add_option("--bake", options->bake,
                       "The bake that is served: the last frame must equal its render");
+  command->add_option("--window", options->window,
+                      "The server's --window, for the comparison with --bake [fitted]");
   CLI::Option* const script = command->add_option(
       "--script", options->script, "A JSON file of timed edits [a turn about y, ever faster]");
   command

@@ -102,11 +102,11 @@ LoadReport summarize(const std::vector<LoadRecord>& records, ScriptKind script) 
   return report;
 }
 
-LoadCheck compare_with_bake(const std::vector<LoadRecord>& records,
-                            const std::string& bake_folder) {
+LoadCheck compare_with_bake(const std::vector<LoadRecord>& records, const std::string& bake_folder,
+                            const VertexSettings& vertices) {
   const std::string name = "the last frame equals rimlight render";
   if (bake_folder.empty()) return {name, std::nullopt, "not run: no --bake"};
-  const server::ServedScene scene = server::open_scene(bake_folder, {});
+  const server::ServedScene scene = server::open_scene(bake_folder, {{}, vertices});
   const auto source = scene.make_source();
   return check_all(name, records,
                    [&](const LoadRecord& record) { return fault_of_pixels(record, *source); });

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cli/load_client.h"
+#include "core/vertices/vertex_renderer.h"
 
 namespace rimlight {
 
@@ -37,7 +38,8 @@ LoadReport summarize(const std::vector<LoadRecord>& records, ScriptKind script);
 
 /// Compares each client's last frame with what `rimlight render` makes of its state.
 /// An empty `bake_folder` gives a check that was not run.
-LoadCheck compare_with_bake(const std::vector<LoadRecord>& records, const std::string& bake_folder);
+LoadCheck compare_with_bake(const std::vector<LoadRecord>& records, const std::string& bake_folder,
+                            const VertexSettings& vertices);
 
 /// The smallest value that at least `share` of the values do not exceed; 0 of none. Sorts them.
 double percentile(std::vector<double>& values, double share);

@@ -26,6 +26,7 @@ struct RenderOptions {
   std::vector<double> rotation{0, 0, 0, 1};
   std::vector<double> view;  // position and target; empty: the bake's own
   double exposure = 0;
+  std::string window;  // empty: the default
   std::string output = "rimlight.png";
   int threads = 0;
   bool json = false;
@@ -100,9 +101,9 @@ DesignState state_of(const RenderOptions& options, const std::string& light) {
 }
 
 void render_image_bake(const RenderOptions& options, DesignState& state, FrameReport& report) {
-  if (!options.view.empty()) {
-    throw Error("--view", "a bake of kind image_haar, the image of one camera",
-                "a bake of kind vertex_sh");
+  if (!options.view.empty() || !options.window.empty()) {
+    throw Error(options.view.empty() ? "--window" : "--view",
+                "a bake of kind image_haar, the image of one camera", "a bake of kind vertex_sh");
   }
   FrameRenderer renderer(std::make_shared<const Bake>(options.folder), {});
   state = state_of(options, choose_light(options, renderer.bake().environments(), renderer));
@@ -112,7 +113,9 @@ void render_image_bake(const RenderOptions& options, DesignState& state, FrameRe
 void render_vertex_bake(const RenderOptions& options, DesignState& state, FrameReport& report) {
   const auto scene = std::make_shared<const VertexScene>(
       vertex_scene_of(std::make_shared<const VertexBake>(options.folder)));
-  VertexRenderer renderer(scene, {});
+  VertexSettings settings;
+  if (!options.window.empty()) settings.window = parse_window(options.window, "--window");
+  VertexRenderer renderer(scene, settings);
   state = state_of(options, choose_light(options, scene->environments, renderer));
   state.view = chosen_view(options, scene->camera);
   report = render(options, state, renderer);
@@ -164,6 +167,9 @@ void add_render_command(CLI::App& app, Action& chosen) {
                    "(default: the bake's own)")
       ->delimiter(',')
       ->expected(6);
+  command->add_option("--window", options->window,
+                      "Against dark rings about highlights: none, hann, lanczos or fitted; for "
+                      "bakes of kind vertex_sh (default: fitted)");
   command->add_option("--exposure", options->exposure, "Stops; 0 is the bake's own exposure")
       ->check(number_range(-20, 20));
   command->add_option("-o,--output", options->output, "Picture to write")->capture_default_str();

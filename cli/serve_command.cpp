@@ -26,6 +26,7 @@ struct ServeOptions {
   std::optional<std::uint16_t> port;
   std::string budget;
   std::string policy;
+  std::string window;
   bool json = false;
 };
 
@@ -46,6 +47,10 @@ std::string budget_fault(const std::string& text) {
   return fault_of([&text] { parse_budget(text, "--budget"); });
 }
 
+std::string window_fault(const std::string& text) {
+  return fault_of([&text] { parse_window(text, "--window"); });
+}
+
 /// The configuration file, if there is one, overruled by the options.
 ServeConfig merge(const ServeOptions& options) {
   ServeConfig config = options.config.empty() ? ServeConfig{} : read_serve_config(options.config);
@@ -53,8 +58,12 @@ ServeConfig merge(const ServeOptions& options) {
   if (!options.web.empty()) config.web = options.web;
   if (options.host) config.network.host = *options.host;
   if (options.port) config.network.port = *options.port;
-  if (!options.budget.empty()) config.relight.budget = parse_budget(options.budget, "--budget");
-  if (!options.policy.empty()) config.relight.policy = parse_policy(options.policy, "--policy");
+  RelightSettings& relight = config.draw.relight;
+  if (!options.budget.empty()) relight.budget = parse_budget(options.budget, "--budget");
+  if (!options.policy.empty()) relight.policy = parse_policy(options.policy, "--policy");
+  if (!options.window.empty()) {
+    config.draw.vertices.window = parse_window(options.window, "--window");
+  }
   if (config.web.empty()) config.web = find_web_folder();
   return config;
 }
@@ -62,7 +71,7 @@ ServeConfig merge(const ServeOptions& options) {
 server::SceneCatalog open_scenes(const ServeConfig& config) {
   std::vector<server::ServedScene> scenes;
   for (const std::filesystem::path& folder : config.bakes) {
-    scenes.push_back(server::open_scene(folder, {config.relight, {}}));
+    scenes.push_back(server::open_scene(folder, config.draw));
     spdlog::info("opened {}: {}x{}, {} environments", folder.string(), scenes.back().width,
                  scenes.back().height, scenes.back().environments.size());
   }
@@ -111,6 +120,11 @@ void add_serve_command(CLI::App& app, Action& chosen) {
                    "after colons, a band test of pbi (simple, dealer, exhaustive) and a selection "
                    "of nwa, bi and pbi (unweighted, area, transport) [benefit]")
       ->check(policy_fault, "POLICY");
+  command
+      ->add_option("--window", options->window,
+                   "Against dark rings about the highlights of bakes of kind vertex_sh: none, "
+                   "hann, lanczos or fitted [fitted]")
+      ->check(window_fault, "WINDOW");
   command->add_flag("--json", options->json, "Print {\"address\": …} when ready");
   command->callback([options, &chosen] { chosen = [options] { return serve(*options); }; });
 }

@@ -45,10 +45,13 @@ void read_sessions(const JsonReader& reader, ServeConfig& config) {
   read_duration(reader, "quiet_ms", 0, 60000, config.sessions.session.quiet);
   read_whole(reader, "jpeg_quality", 1, 100, config.sessions.session.jpeg_quality);
   if (const auto budget = reader.optional_member("budget")) {
-    config.relight.budget = parse_budget(budget->string(), budget->where());
+    config.draw.relight.budget = parse_budget(budget->string(), budget->where());
   }
   if (const auto policy = reader.optional_member("policy")) {
-    config.relight.policy = parse_policy(policy->string(), policy->where());
+    config.draw.relight.policy = parse_policy(policy->string(), policy->where());
+  }
+  if (const auto window = reader.optional_member("window")) {
+    config.draw.vertices.window = parse_window(window->string(), window->where());
   }
 }
 
@@ -59,7 +62,7 @@ ServeConfig read_serve_config(const fs::path& file) {
   const JsonReader reader(document, file.string());
   reader.allow_only({"bakes", "web", "host", "port", "network_threads", "most_connections",
                      "idle_timeout_seconds", "most_sessions", "session_idle_seconds", "quiet_ms",
-                     "jpeg_quality", "budget", "policy"});
+                     "jpeg_quality", "budget", "policy", "window"});
   ServeConfig config;
   if (const auto bakes = reader.optional_member("bakes")) {
     for (const JsonReader& bake : bakes->elements(1, 1000)) {

@@ -6,6 +6,7 @@
 
 #include "core/relight/frame_renderer.h"
 #include "server/network/http_server.h"
+#include "server/session/baked_scene.h"
 #include "server/session/session_registry.h"
 
 namespace rimlight {
@@ -15,7 +16,7 @@ struct ServeConfig {
   std::vector<std::filesystem::path> bakes;  // the first is the default scene
   std::filesystem::path web;                 // empty: beside the program
   // Near enough to exact that nobody sees it, in the time of half a frame at 60 a second.
-  RelightSettings relight{{PolicyKind::benefit}, {FrameBudget::Unit::milliseconds, 8}};
+  server::DrawSettings draw{{{PolicyKind::benefit}, {FrameBudget::Unit::milliseconds, 8}}, {}};
   server::NetworkSettings network;
   server::RegistrySettings sessions;
 };

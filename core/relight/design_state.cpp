@@ -23,4 +23,18 @@ Quaternion checked_rotation(const DesignState& state) {
   return normalized(state.rotation);
 }
 
+void check_lobe(std::span<const double> values, const std::string& where) {
+  if (values.size() < kFewestLobeValues || values.size() > kMostLobeValues) {
+    throw Error(where, std::to_string(values.size()) + " values", "2 to 64");
+  }
+  bool is_black = true;
+  for (const double value : values) {
+    if (!(value >= 0 && value <= kLargestLobeValue)) {
+      throw Error(where, std::to_string(value), "values of 0 to 1000000");
+    }
+    is_black &= value == 0;
+  }
+  if (is_black) throw Error(where, "nothing but zeros", "a value above 0");
+}
+
 }  // namespace rimlight

@@ -1,5 +1,9 @@
 #include "core/vertices/vertex_light.h"
 
+#include <array>
+#include <utility>
+
+#include "core/base/error.h"
 #include "core/basis/sh_projection.h"
 #include "core/basis/sh_rotation.h"
 #include "core/basis/sh_window.h"
@@ -7,6 +11,12 @@
 
 namespace rimlight {
 namespace {
+
+constexpr std::array<std::pair<std::string_view, LightWindow>, 4> kWindows{
+    {{"none", LightWindow::none},
+     {"hann", LightWindow::hann},
+     {"lanczos", LightWindow::lanczos},
+     {"fitted", LightWindow::fitted}}};
 
 /// Of all channels together, so that hues stay (weights of sRGB's primaries).
 std::vector<float> luminance_of(std::span<const float> light) {
@@ -33,6 +43,15 @@ std::vector<double> factors_of(LightWindow window, std::span<const float> light,
 }
 
 }  // namespace
+
+LightWindow parse_window(std::string_view text, const std::string& where) {
+  std::string names;
+  for (const auto& [name, window] : kWindows) {
+    if (name == text) return window;
+    names += " " + quote(name);
+  }
+  throw Error(where, quote(text), "one of" + names);
+}
 
 VertexLight::VertexLight(const CubeLight& texels, int degree, LightWindow window)
     : degree_(degree),

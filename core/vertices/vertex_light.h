@@ -1,6 +1,8 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/light/cube_light.h"
@@ -11,6 +13,9 @@ namespace rimlight {
 /// What is done against the ringing of a light that is cut off after its last degree; see
 /// sh_window.h. `fitted` is the mildest diffusion that its own luminance needs.
 enum class LightWindow { none, hann, lanczos, fitted };
+
+/// Reads the name of one. Throws Error naming `where`, with the names that could stand there.
+LightWindow parse_window(std::string_view text, const std::string& where);
 
 /// An environment in spherical harmonics: projected once, turned for each frame. Immutable; any
 /// thread.

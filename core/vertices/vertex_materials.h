@@ -18,8 +18,9 @@ class VertexMaterials {
   /// it.
   VertexMaterials(const VertexScene& scene, std::size_t stride);
 
-  /// True when any material changed. Throws Error for a material that there is not, a colour that
-  /// is not within 0 … 1, an exponent that is not within 0 … kMostExponent.
+  /// True when any material changed; only lobes that did are projected again. Throws Error for a
+  /// material that there is not, a colour that is not within 0 … 1, an exponent that is not within
+  /// 0 … kMostExponent, a lobe that is none (check_lobe).
   bool set(const std::map<std::string, MaterialEdit>& edits);
   static constexpr double kMostExponent = 10'000;
 
@@ -33,7 +34,8 @@ class VertexMaterials {
   std::vector<std::string> unshown() const;
 
  private:
-  void find_lobe(std::size_t material);
+  void project_lobe(std::size_t material);
+  void find_highlights();
   void describe(const std::string& name, const MaterialEdit& edit,
                 std::vector<std::string>& words) const;
   std::size_t find(const std::string& name) const;
@@ -42,6 +44,7 @@ class VertexMaterials {
   std::size_t stride_;
   std::map<std::string, MaterialEdit> edits_;
   std::vector<VertexMaterial> materials_;
+  std::vector<std::vector<double>> curves_;  // [material]: in the exponent's place, if not empty
   std::vector<std::uint8_t> has_highlight_;
   std::vector<std::uint8_t> can_have_highlight_;  // [material]: its vertices have visibility
   AlignedVector<float> lobes_;                    // [material][stride]

@@ -20,7 +20,9 @@ inline constexpr std::array<PixelPoint, 4> kSmoothPoints{
 struct VertexSettings {
   int background_size = 256;  // texels a side of the cube map of the environment behind the pixels
   int light_size = 256;       // of the one that is projected to harmonics
-  LightWindow window = LightWindow::none;
+  /// Without one a small bright light, cut off after the transport's degree, leaves black rings
+  /// about its highlights; a fitted one blurs each light by no more than that takes.
+  LightWindow window = LightWindow::fitted;
   /// A frame in motion of a new view is coarse, every second pixel both ways, where the whole one
   /// takes longer than this; 0: always.
   double view_ms = 25;

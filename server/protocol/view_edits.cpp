@@ -26,8 +26,19 @@ json to_json(const Vec3<T>& v) {
   return {v.x, v.y, v.z};
 }
 
+/// Null is a lobe of no values.
+std::vector<double> read_lobe(const JsonReader& reader) {
+  std::vector<double> lobe;
+  if (reader.value().is_null()) return lobe;
+  for (const JsonReader& value : reader.elements(kFewestLobeValues, kMostLobeValues)) {
+    lobe.push_back(value.number(0, kLargestLobeValue));
+  }
+  check_lobe(lobe, reader.where());
+  return lobe;
+}
+
 MaterialEdit read_parameters(const JsonReader& reader) {
-  reader.allow_only({"albedo", "highlight", "exponent"});
+  reader.allow_only({"albedo", "highlight", "exponent", "lobe"});
   MaterialEdit edit;
   if (const auto member = reader.optional_member("albedo")) edit.albedo = read_colour(*member);
   if (const auto member = reader.optional_member("highlight")) {
@@ -36,7 +47,10 @@ MaterialEdit read_parameters(const JsonReader& reader) {
   if (const auto member = reader.optional_member("exponent")) {
     edit.exponent = member->number(0, kLargestExponent);
   }
-  if (edit == MaterialEdit()) reader.fail("one or more of albedo, highlight, exponent; or null");
+  if (const auto member = reader.optional_member("lobe")) edit.lobe = read_lobe(*member);
+  if (edit == MaterialEdit()) {
+    reader.fail("one or more of albedo, highlight, exponent, lobe; or null");
+  }
   return edit;
 }
 
@@ -55,7 +69,12 @@ void check_name(const JsonReader& reader, const std::string& name,
 void set_given(const MaterialEdit& edit, MaterialEdit& material) {
   if (edit.albedo) material.albedo = edit.albedo;
   if (edit.highlight) material.highlight = edit.highlight;
-  if (edit.exponent) material.exponent = edit.exponent;
+  if (edit.exponent) {
+    material.exponent = edit.exponent;
+    material.lobe.reset();
+  }
+  if (edit.lobe) material.lobe = edit.lobe;
+  if (material.lobe && material.lobe->empty()) material.lobe.reset();
 }
 
 }  // namespace
@@ -109,6 +128,7 @@ json parameters_to_json(const MaterialEdit& edit) {
   if (edit.albedo) text["albedo"] = to_json(*edit.albedo);
   if (edit.highlight) text["highlight"] = to_json(*edit.highlight);
   if (edit.exponent) text["exponent"] = *edit.exponent;
+  if (edit.lobe) text["lobe"] = *edit.lobe;
   return text;
 }
 
@@ -121,11 +141,8 @@ json material_to_json(const std::map<std::string, MaterialEdit>& materials) {
 void apply_material(const MaterialEdits& edits, std::map<std::string, MaterialEdit>& materials) {
   std::map<std::string, MaterialEdit> changed = materials;
   for (const auto& [name, edit] : edits) {
-    if (edit) {
-      set_given(*edit, changed[name]);
-    } else {
-      changed.erase(name);
-    }
+    if (edit) set_given(*edit, changed[name]);
+    if (!edit || changed[name] == MaterialEdit()) changed.erase(name);
   }
   if (changed.size() > kMostMaterials) {
     throw Error("message: /material/parameter",

@@ -13,8 +13,8 @@ namespace rimlight::server {
 
 // The parts of edits and states that scenes of vertices show, as they stand in messages:
 //   view      {"camera": {"position", "target", "up", "fov"}}, or null for the scene's own
-//   material  {"parameter": {NAME: {"albedo", "highlight", "exponent"}}}, or null for a name to
-//             take back what was edited
+//   material  {"parameter": {NAME: {"albedo", "highlight", "exponent", "lobe"}}}, or null for a
+//             name to take back what was edited; a lobe of null gives way to the exponent
 
 /// Exponents of highlights on the wire.
 inline constexpr double kLargestExponent = 10'000;
@@ -23,7 +23,9 @@ inline constexpr std::size_t kMostMaterials = 256;
 /// Longest name of a material, in bytes.
 inline constexpr std::size_t kLongestMaterial = 200;
 
-/// What an edit does to each material: sets what its edit has; nothing takes all back.
+/// What an edit does to each material: sets what its edit has, of lobe and exponent the last that
+/// came (the lobe, where they come together); a lobe of no values is taken back; nothing takes all
+/// back.
 using MaterialEdits = std::map<std::string, std::optional<MaterialEdit>>;
 
 /// Throws Error, naming the field: numbers that are not finite or out of range, a camera without

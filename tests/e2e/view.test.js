@@ -117,6 +117,74 @@ test('materials are edited and taken back, and frames say what does not follow',
   await other.close();
 });
 
+test('a highlight takes a shape, by keys too, and gives it back to its sharpness', async () => {
+  const { page, errors, messages, close } = await openPage('lobes', 'vertices');
+  const other = await openPage('lobes', 'vertices');
+  for (const { page: one } of [page, other]) await one.selectOption('#material-choice', 'clay');
+  await changes(page, () => page.fill('#material-highlight', '0.9'));
+  const phong = await pixels(page);
+  await page.focus('#material-lobe');
+  await changes(page, () => page.keyboard.press('ArrowDown'));
+  await changes(page, () => page.keyboard.press('ArrowDown'));
+  const ring = await pixels(page);
+  assert.notEqual(ring, phong);
+  await page.screenshot({ path: resolve(screenshots, 'lobes.png') });
+  const { lobe } = edits(messages).at(-1).material.parameter.clay;
+  assert.equal(lobe.indexOf(Math.max(...lobe)) * 90 / (lobe.length - 1), 30);
+  const showsOther = (name) => other.page.waitForFunction(
+    (value) => document.getElementById('material-lobe').value === value, name, { timeout: kPatience });
+  await showsOther('ring');
+  await changes(page, () => page.selectOption('#material-lobe', 'phong'));
+  assert.equal(await pixels(page), phong);
+  await showsOther('phong');
+  await changes(page, () => page.selectOption('#material-lobe', 'ring'));
+  assert.equal(await pixels(page), ring);
+  await changes(page, () => page.fill('#material-exponent', '30'));
+  assert.equal(await page.inputValue('#material-lobe'), 'phong');
+  await showsOther('phong');
+  assert.ok(!('lobe' in edits(messages).at(-1).material.parameter.clay));
+  checkMessages(messages);
+  assert.deepEqual(errors, []);
+  await close();
+  await other.close();
+});
+
+test('lobes that are none get an error, and the state stays', async () => {
+  const { page, errors, close } = await openPage('bad-lobes', 'vertices');
+  const replies = await page.evaluate((address) => new Promise((done) => {
+    const socket = new WebSocket(address);
+    const lobes = [[], [1], [0, 0], [-1, 1], [1, 1000001], 'ring', [[1, 2]], Array(65).fill(1)];
+    const texts = [];
+    socket.onopen = () => lobes.forEach((lobe, i) => socket.send(JSON.stringify({ type: 'edit',
+      id: `bad ${i}`, exposure: 3, material: { parameter: { clay: { lobe } } } })));
+    socket.onmessage = ({ data }) => {
+      if (typeof data !== 'string') return;
+      texts.push(JSON.parse(data));
+      if (texts.length === lobes.length) socket.send(JSON.stringify({ type: 'edit', id: 'good', exposure: 1 }));
+      if (texts.at(-1).id === 'good') done(texts);
+    };
+  }), `ws://${server.host}/sessions/bad-lobes/stream?scene=vertices`);
+  const refused = replies.filter(({ type }) => type === 'error');
+  assert.equal(refused.length, 8);
+  for (const { reason } of refused) assert.match(reason, /\/material\/parameter\/clay\/lobe/);
+  const { state } = replies.at(-1);
+  assert.equal(state.exposure, 1);
+  assert.deepEqual(state.material.parameter, {});
+  assert.deepEqual(errors, []);
+  await close();
+});
+
+test('edits in one frame keep the order of a shape and a sharpness', async () => {
+  const { merged } = await import('../../web/js/edits.js');
+  const of = (clay) => ({ material: { parameter: { clay } } });
+  const both = (...changes) => changes.map(of).reduce(merged).material.parameter.clay;
+  assert.deepEqual(both({ lobe: [0, 1] }, { exponent: 7 }), { exponent: 7 });
+  assert.deepEqual(both({ exponent: 7 }, { lobe: [0, 1] }), { exponent: 7, lobe: [0, 1] });
+  assert.deepEqual(both({ exponent: 7 }, { lobe: [0, 1] }, { lobe: null }), { exponent: 7, lobe: null });
+  assert.deepEqual(both({ lobe: [0, 1] }, { exponent: 7 }, { albedo: [1, 1, 1] }),
+    { exponent: 7, albedo: [1, 1, 1] });
+});
+
 test('a bake of one image offers no camera, keeps a view all the same, and says so', async () => {
   const { page, errors, close } = await openPage('image', 'balls');
   for (const id of ['drag', 'reset-view', 'materials']) {

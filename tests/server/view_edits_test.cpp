@@ -60,6 +60,32 @@ TEST(ViewEdits, MaterialsAreSetPieceByPieceAndTakenBackWhole) {
   EXPECT_EQ(state.materials.size(), 1u);
 }
 
+TEST(ViewEdits, ALobeAndAnExponentTakeEachOthersPlace) {
+  DesignState state;
+  const auto apply = [&](const std::string& of_clay) {
+    apply_edit(parsed(R"("material":{"parameter":{"clay":)" + of_clay + "}}"), state);
+    return state.materials["clay"];
+  };
+  const std::vector<double> ring{0, 0.1, 1e6, 0};
+  EXPECT_EQ(apply(R"({"exponent":7})"), (MaterialEdit{{}, {}, 7.0}));
+  EXPECT_EQ(apply(R"({"lobe":[0,0.1,1e6,0]})"), (MaterialEdit{{}, {}, 7.0, ring}));
+  DesignState again;
+  apply_edit(parsed("\"material\":" + state_to_json(state)["material"].dump()), again);
+  EXPECT_EQ(again, state);
+  state.environment = "day";
+  const nlohmann::json text = state_to_json(state);
+  EXPECT_EQ(read_state(JsonReader(text, "state")), state);
+  EXPECT_EQ(apply(R"({"lobe":null})"), (MaterialEdit{{}, {}, 7.0})) << "back to the exponent";
+  apply(R"({"lobe":[0,1]})");
+  EXPECT_EQ(apply(R"({"exponent":8})"), (MaterialEdit{{}, {}, 8.0}));
+  EXPECT_EQ(apply(R"({"exponent":9,"lobe":[0,1]})"),
+            (MaterialEdit{{}, {}, 9.0, std::vector<double>{0, 1}}));
+  apply("null");
+  apply(R"({"lobe":[0,1]})");
+  apply_edit(parsed(R"("material":{"parameter":{"clay":{"lobe":null}}})"), state);
+  EXPECT_TRUE(state.materials.empty()) << "an edit of nothing is none";
+}
+
 struct BadEdit {
   const char* members;
   const char* error;  // part of what() must be this
@@ -96,7 +122,24 @@ INSTANTIATE_TEST_SUITE_P(
         BadEdit{R"("material":{"parameter":{"clay":{"highlight":[0,-1,0]}}})",
                 "/material/parameter/clay/highlight/1"},
         BadEdit{R"("material":{"parameter":{"clay":{"exponent":1e5}}})",
-                "/material/parameter/clay/exponent"}));
+                "/material/parameter/clay/exponent"},
+        BadEdit{R"("material":{"parameter":{"clay":{"lobe":7}}})", "/material/parameter/clay/lobe"},
+        BadEdit{R"("material":{"parameter":{"clay":{"lobe":[]}}})",
+                "/material/parameter/clay/lobe"},
+        BadEdit{R"("material":{"parameter":{"clay":{"lobe":[1]}}})",
+                "/material/parameter/clay/lobe"},
+        BadEdit{R"("material":{"parameter":{"clay":{"lobe":[0,0,0]}}})",
+                "/material/parameter/clay/lobe: found nothing but zeros"},
+        BadEdit{R"("material":{"parameter":{"clay":{"lobe":[0,-1]}}})",
+                "/material/parameter/clay/lobe/1"},
+        BadEdit{R"("material":{"parameter":{"clay":{"lobe":[1,1,1.1e6]}}})",
+                "/material/parameter/clay/lobe/2"},
+        BadEdit{R"("material":{"parameter":{"clay":{"lobe":[1,"a"]}}})",
+                "/material/parameter/clay/lobe/1"},
+        BadEdit{R"("material":{"parameter":{"clay":{"lobe":[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,
+          0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,
+          0,0,1]}}})",
+                "/material/parameter/clay/lobe"}));
 
 TEST(ViewEdits, ABakeWithoutMaterialsKeepsEditsOfAnyButNotOfTooMany) {
   DesignState state;

@@ -9,6 +9,8 @@ export function merged(first, second) {
   for (const [name, change] of Object.entries(second.material.parameter)) {
     if (parameter[name] === null && change !== null) return null; // taken back, then set
     parameter[name] = change && { ...parameter[name], ...change };
+    // The exponent came last: together with a lobe it would not be shown.
+    if (change && 'exponent' in change && !('lobe' in change)) delete parameter[name].lobe;
   }
   return { ...result, material: { parameter } };
 }

@@ -35,6 +35,36 @@ export function scaledHighlight(colour, strength) {
   return colour.map((v) => (most > 0 ? (v / most) * strength : strength));
 }
 
+/** Shapes of a highlight, by the angle from the mirror direction; null is Phong's by its exponent. */
+const kLobeValues = 37; // 2.5° apart
+function sampledLobe(valueAt) {
+  return Array.from({ length: kLobeValues }, (_, i) => valueAt((90 * i) / (kLobeValues - 1)));
+}
+/** A half cosine from 1 at `from` to 0 at `to`, in degrees; to 10⁻⁴, as messages carry it. */
+function fallOff(angle, from, to) {
+  const share = Math.min(1, Math.max(0, (angle - from) / (to - from)));
+  return Math.round(1e4 * (0.5 + 0.5 * Math.cos(Math.PI * share))) / 1e4;
+}
+export const kLobes = {
+  phong: null,
+  disc: sampledLobe((angle) => fallOff(angle, 15, 35)),
+  ring: sampledLobe((angle) => fallOff(Math.abs(angle - 30), 0, 15)),
+};
+
+/** Its name among them; "other" for one that is not. */
+export function nameOfLobe(lobe) {
+  const text = JSON.stringify(lobe ?? null);
+  return Object.keys(kLobes).find((name) => JSON.stringify(kLobes[name]) === text) ?? 'other';
+}
+
+/** What was edited of a material, and then changed: as the server does it. */
+export function changedMaterial(edited, change) {
+  const result = { ...edited, ...change };
+  const isReplaced = 'exponent' in change && !('lobe' in change);
+  if (isReplaced || result.lobe === null) delete result.lobe;
+  return result;
+}
+
 /** The panel. Calls onChange({material: {parameter: {NAME: {…} or null}}}). */
 export class Materials {
   #panel = document.getElementById('materials');
@@ -42,6 +72,7 @@ export class Materials {
   #albedo = document.getElementById('material-albedo');
   #highlight = document.getElementById('material-highlight');
   #highlightValue = document.getElementById('material-highlight-value');
+  #lobe = document.getElementById('material-lobe');
   #exponent = document.getElementById('material-exponent');
   #exponentValue = document.getElementById('material-exponent-value');
   #baked = new Map(); // name → {albedo, highlight, exponent}
@@ -54,6 +85,7 @@ export class Materials {
     this.#albedo.addEventListener('input', () => this.#set({ albedo: fromHex(this.#albedo.value) }));
     this.#highlight.addEventListener('input', () => this.#set({
       highlight: scaledHighlight(this.#shown().highlight, this.#highlight.valueAsNumber) }));
+    this.#lobe.addEventListener('change', () => this.#set({ lobe: kLobes[this.#lobe.value] }));
     this.#exponent.addEventListener('input', () => this.#set({
       exponent: exponentOf(this.#exponent.valueAsNumber) }));
     document.getElementById('reset-material').addEventListener('click', () => this.#reset());
@@ -83,7 +115,7 @@ export class Materials {
 
   #set(change) {
     const name = this.#choice.value;
-    this.#edited = { ...this.#edited, [name]: { ...this.#edited[name], ...change } };
+    this.#edited = { ...this.#edited, [name]: changedMaterial(this.#edited[name], change) };
     this.#showChosen();
     this.#onChange({ material: { parameter: { [name]: change } } });
   }
@@ -97,10 +129,11 @@ export class Materials {
 
   #showChosen() {
     if (!this.#baked.has(this.#choice.value)) return;
-    const { albedo, highlight, exponent } = this.#shown();
+    const { albedo, highlight, exponent, lobe } = this.#shown();
     this.#albedo.value = toHex(albedo);
     this.#highlight.value = Math.max(...highlight);
     this.#highlightValue.textContent = `${Math.round(100 * Math.max(...highlight))} %`;
+    this.#lobe.value = nameOfLobe(lobe);
     this.#exponent.value = placeOf(exponent);
     this.#exponentValue.textContent = exponent < 10 ? exponent.toFixed(1) : String(Math.round(exponent));
   }

@@ -1,5 +1,6 @@
 #include "core/vertices/vertex_lighting.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +11,9 @@
 #include "core/basis/sh_projection.h"
 #include "core/vertices/vertex_light.h"
 #include "core/vertices/vertex_lobe_kernel.h"
+#include "core/vertices/vertex_renderer.h"
 #include "tests/core/vertices/vertex_case.h"
+#include "tests/support/error_of.h"
 #include "tests/support/every_target.h"
 
 namespace rimlight {
@@ -98,6 +101,30 @@ TEST(VertexLight, WindowsLeaveTheMeanAndTakeTheRinging) {
     }
     EXPECT_GT(least(light), least(plain));
   }
+}
+
+TEST(VertexLight, TheDefaultWindowLeavesNothingFarBelowZero) {
+  CubeLight texels(16);  // a small sun, and next to nothing else
+  std::ranges::fill(texels.values, 0.01f);
+  for (int c = 0; c < 3; ++c) texels.channel(c)[300] = 3000;
+  const auto least_over_mean = [&](LightWindow window) {
+    const VertexLight light(texels, 20, window);
+    const auto quadrature = sh::cube_quadrature(48);
+    const auto values = sh::reconstruct(light.coefficients(), 20, quadrature.directions);
+    const float mean = light.coefficients()[0] * 0.28209479f;  // Y_00
+    return *std::min_element(values.begin(), values.end()) / mean;
+  };
+  EXPECT_LT(least_over_mean(LightWindow::none), -1);
+  EXPECT_GT(least_over_mean(VertexSettings().window), -0.1f);
+}
+
+TEST(VertexLight, WindowsHaveNames) {
+  EXPECT_EQ(parse_window("none", "x"), LightWindow::none);
+  EXPECT_EQ(parse_window("hann", "x"), LightWindow::hann);
+  EXPECT_EQ(parse_window("lanczos", "x"), LightWindow::lanczos);
+  EXPECT_EQ(parse_window("fitted", "x"), LightWindow::fitted);
+  EXPECT_THAT(test::error_of([] { parse_window("Hann", "--window"); }),
+              testing::HasSubstr("--window: found \"Hann\", expected one of \"none\" \"hann\""));
 }
 
 TEST(VertexLobeKernel, EveryTargetIsWithinRoundingOfTheDoubleSum) {

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/base/parallel.h"
 #include "core/relight/prepared_environment.h"
@@ -240,7 +242,34 @@ TEST(VertexRenderer, StatesThatCannotBeShownAreRefusedAndLeaveItWhole) {
               HasSubstr("materials/brass/highlight"));
   EXPECT_THAT(error([](auto& s) { s.materials["brass"].exponent = -1; }),
               HasSubstr("materials/brass/exponent"));
+  EXPECT_THAT(error([](auto& s) {
+                s.materials["brass"].lobe = std::vector<double>{0, 0};
+              }),
+              HasSubstr("materials/brass/lobe"));
   EXPECT_EQ(exact_bytes(renderer, good), before);
+}
+
+TEST(VertexRenderer, ALobeSampledFromPhongsGivesNearlyItsPicture) {
+  VertexRenderer renderer(test::scene_of(), kVertexSettings);
+  DesignState state = state_of("sky", kTurned);
+  state.materials["brass"].highlight = Vec3f{1, 1, 1};
+  const auto difference = [&](double exponent) {
+    state.materials["brass"].exponent = exponent;
+    state.materials["brass"].lobe.reset();
+    const auto phong = exact_bytes(renderer, state);
+    std::vector<double> lobe;
+    for (int i = 0; i < 64; ++i)
+      lobe.push_back(std::pow(std::cos(i * std::numbers::pi / 2 / 63), 12));
+    state.materials["brass"].lobe = lobe;
+    const auto sampled = exact_bytes(renderer, state);
+    int most = 0;
+    for (std::size_t i = 0; i < phong.size(); ++i) {
+      most = std::max(most, std::abs(int{phong[i]} - int{sampled[i]}));
+    }
+    return most;
+  };
+  EXPECT_LE(difference(12), 1);
+  EXPECT_GT(difference(3), 5) << "another exponent's looks otherwise";
 }
 
 TEST(VertexRenderer, SaysWhatOfEditsAndViewsItDoesNotShow) {
