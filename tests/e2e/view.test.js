@@ -120,7 +120,7 @@ test('materials are edited and taken back, and frames say what does not follow',
 test('a highlight takes a shape, by keys too, and gives it back to its sharpness', async () => {
   const { page, errors, messages, close } = await openPage('lobes', 'vertices');
   const other = await openPage('lobes', 'vertices');
-  for (const { page: one } of [page, other]) await one.selectOption('#material-choice', 'clay');
+  for (const one of [page, other.page]) await one.selectOption('#material-choice', 'clay');
   await changes(page, () => page.fill('#material-highlight', '0.9'));
   const phong = await pixels(page);
   await page.focus('#material-lobe');
