@@ -1,6 +1,7 @@
 import assert from 'node:assert/strict';
-import { mkdirSync } from 'node:fs';
-import { resolve } from 'node:path';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
 import { after, before, test } from 'node:test';
 import { chromium } from 'playwright-core';
 import * as pages from './pages.js';
@@ -120,7 +121,7 @@ test('materials are edited and taken back, and frames say what does not follow',
 test('a highlight takes a shape, by keys too, and gives it back to its sharpness', async () => {
   const { page, errors, messages, close } = await openPage('lobes', 'vertices');
   const other = await openPage('lobes', 'vertices');
-  for (const { page: one } of [page, other]) await one.selectOption('#material-choice', 'clay');
+  for (const one of [page, other.page]) await one.selectOption('#material-choice', 'clay');
   await changes(page, () => page.fill('#material-highlight', '0.9'));
   const phong = await pixels(page);
   await page.focus('#material-lobe');
@@ -208,4 +209,26 @@ test('rimlight load finds the frames of vertices equal to its own render', async
     '2', '--seconds', '2', '--bake', vertexBake, '--json']);
   assert.equal(code, 0, stdout + stderr);
   assert.ok(JSON.parse(stdout).checks.every((check) => check.pass === true), stdout);
+});
+
+test('a light of vertices has a fitted window unless another is asked for', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'rimlight-window-'));
+  const picture = async (...options) => {
+    const file = join(folder, 'picture.png');
+    const { code, stderr } = await run(['render', vertexBake, '--light', 'sunny', '-o', file, ...options]);
+    assert.equal(code, 0, stderr);
+    return readFileSync(file).toString('base64');
+  };
+  const plain = await picture();
+  assert.equal(await picture('--window', 'fitted'), plain);
+  assert.notEqual(await picture('--window', 'none'), plain);
+  const { code, stderr } = await run(['render', bake, '--window', 'hann', '-o', join(folder, 'x.png')]);
+  assert.notEqual(code, 0);
+  assert.match(stderr, /--window: .*expected a bake of kind vertex_sh/);
+  const config = join(folder, 'config.json');
+  writeFileSync(config, JSON.stringify({ bakes: [vertexBake], window: 'soft' }));
+  const served = await run(['serve', '--config', config]);
+  assert.notEqual(served.code, 0);
+  assert.match(served.stderr, /\/window: found "soft"/);
+  rmSync(folder, { recursive: true });
 });
