@@ -12,6 +12,12 @@
 
 namespace rimlight {
 
+/// How a scene is lit by a sun, where an environment has one (split_sun).
+enum class SunLight {
+  harmonics,    // with the rest of the environment: soft shadows, which ring
+  directional,  // apart: shadows as sharp as pixels
+};
+
 /// A scene whose transport is at vertices: it can be seen from anywhere, and its materials edited.
 struct VertexScene {
   std::string name;  // in errors
@@ -25,6 +31,7 @@ struct VertexScene {
   /// Whether light went from surface to surface with the baked albedo: then it does not follow an
   /// edited one.
   bool has_interreflection = false;
+  SunLight sun = SunLight::harmonics;
   std::shared_ptr<const void> memory;  // of the transport's views
   /// The mesh for rays, shared by all who show the scene; each makes its own without one.
   std::shared_ptr<const TriangleTree> tree;
