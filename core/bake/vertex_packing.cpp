@@ -103,21 +103,24 @@ StoredTransport pack(const CalculatedTransport& transport, const LeavingOut& lea
   const KeptBands kept = keep_bands(*irradiance, transport.degree, leaving_out);
   const Channels visibility = {transport.visibility};
   const KeptBands kept_visibility = keep_bands(visibility, transport.degree, leaving_out);
-  stored.irradiance =
-      to_batches(*irradiance, transport.vertex_count, transport.degree, kept.degree);
+  if (!transport.is_open) {
+    stored.irradiance =
+        to_batches(*irradiance, transport.vertex_count, transport.degree, kept.degree);
+  }
   stored.visibility =
       to_batches(visibility, transport.highlight_count, transport.degree, kept_visibility.degree);
   stored.left_out = {{"irradiance", describe(kept, transport.degree)},
                      {"irradiance_colour",
                       {{"channels_left_out", 3 - irradiance->size()}, {"rms_error", colour_error}}},
                      {"visibility", describe(kept_visibility, transport.degree)}};
+  stored.left_out["irradiance"]["follows_from_normals"] = transport.is_open;
   stored.left_out["visibility"]["vertices_left_out"] =
       transport.vertex_count - transport.highlight_count;
   stored.view = {.vertex_count = transport.vertex_count,
                  .highlight_count = transport.highlight_count,
                  .irradiance_degree = kept.degree,
                  .visibility_degree = kept_visibility.degree,
-                 .irradiance_channels = irradiance->size(),
+                 .irradiance_channels = transport.is_open ? 0 : irradiance->size(),
                  .irradiance = stored.irradiance,
                  .visibility = stored.visibility};
   return stored;

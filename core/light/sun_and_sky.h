@@ -16,6 +16,12 @@ struct Sun {
   friend bool operator==(const Sun&, const Sun&) = default;
 };
 
+/// How a scene of vertices is lit by a sun, where an environment has one.
+enum class SunLight {
+  harmonics,    // with the rest of the environment: soft shadows, which ring
+  directional,  // apart: shadows as sharp as pixels, but no light of it by way of other surfaces
+};
+
 /// An environment taken apart; the two together are the whole.
 struct SunAndSky {
   CubeLight sky;

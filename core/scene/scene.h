@@ -10,6 +10,7 @@
 
 #include "core/image/image.h"
 #include "core/light/environment.h"
+#include "core/light/sun_and_sky.h"
 #include "core/material/brdf.h"
 #include "core/math/camera.h"
 #include "core/math/vec.h"
@@ -70,6 +71,8 @@ struct VertexBakeSettings {
   VertexTransfer transfer = VertexTransfer::interreflected;
   int most_rays = 4096;     // per vertex, for its visibility; as many for its indirect light
   bool keep_bands = false;  // those, too, that the error does not need
+  /// Else harmonics where light goes from surface to surface, or below one, and apart without.
+  std::optional<SunLight> sun = std::nullopt;
 };
 
 /// What to bake, with DESIGN's defaults.

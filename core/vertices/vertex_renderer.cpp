@@ -12,7 +12,7 @@
 #include "core/relight/prepared_environment.h"
 #include "core/relight/recent_times.h"
 #include "core/relight/shown_environments.h"
-#include "core/vertices/sun_shadows.h"
+#include "core/vertices/shown_view.h"
 #include "core/vertices/vertex_lights.h"
 #include "core/vertices/vertex_shading.h"
 
@@ -21,35 +21,6 @@ namespace {
 
 /// More of the picture than this seen from behind is said.
 constexpr double kMostFromBehind = 0.01;
-
-/// A view and what shows it.
-struct Shown {
-  VertexView view;
-  Display display;
-  SunShadows shadows;
-  bool is_placed = false;  // whether the display is of this view
-  bool is_traced = false;  // whether the shadows are
-
-  Shown(const VertexScene& scene, const std::shared_ptr<const TriangleTree>& tree,
-        std::vector<PixelPoint> points, int sun_rays)
-      : view(*scene.mesh, tree,
-             {scene.width, scene.height, scene.transport.highlight_count, std::move(points)}),
-        display({scene.width, scene.height}, scene.camera, view.coverage()),
-        shadows(*scene.mesh, tree, sun_rays) {}
-
-  void look(const Camera& camera, GBufferDetail detail) {
-    if (view.look(camera, detail)) is_placed = is_traced = false;
-    if (is_placed) return;
-    display.set_view(camera, view.coverage());
-    is_placed = true;
-  }
-
-  void find_shadows(const std::optional<Sun>& sun) {
-    if (!sun) return;
-    shadows.find(view, *sun, !is_traced);
-    is_traced = true;
-  }
-};
 
 /// What the vertices are lit by.
 struct LitBy {
@@ -84,7 +55,7 @@ struct VertexRenderer::State {
   std::shared_ptr<const VertexScene> scene;
   VertexSettings settings;
   std::shared_ptr<const TriangleTree> tree;
-  Shown quick, smooth;  // of one point a pixel, and of several
+  ShownView quick, smooth;  // of one point a pixel, and of several
   VertexLighting lighting;
   VertexMaterials materials;
   ShownEnvironments environments;
@@ -127,7 +98,7 @@ struct VertexRenderer::State {
 
   /// The light of what the view needs, from it the vertices' diffuse radiance, and who sees the
   /// sun.
-  void light_view(Shown& shown) {
+  void light_view(ShownView& shown) {
     shown.find_shadows(sun);
     const VertexView& view = shown.view;
     lighting.light(view.vertices(), view.highlight_vertices());
@@ -156,7 +127,7 @@ struct VertexRenderer::State {
     }
   }
 
-  Display::FillTile tiles_of(const Shown& shown) const {
+  Display::FillTile tiles_of(const ShownView& shown) const {
     return [this, &shown](std::size_t tile, TileImage& image) {
       const VertexShading shading{*scene->mesh,
                                   shown.view,
@@ -264,7 +235,7 @@ FrameReport VertexRenderer::render_moving(const DesignState& state, Rgb8Image& f
   state_->hold(state.environment, rotation);
   report.rotate_ms = watch.lap_ms();
   state_->look_moving(camera);
-  Shown& quick = state_->quick;
+  ShownView& quick = state_->quick;
   state_->light_view(quick);
   report.update_ms = watch.lap_ms();
   state_->describe(quick.view, report);
@@ -279,7 +250,7 @@ bool VertexRenderer::render_exact(const DesignState& state, Rgb8Image& frame, Fr
   const Quaternion rotation = checked_rotation(state);
   if (!state_->relight_exactly(state, rotation, report, abandon)) return false;
   Stopwatch watch;
-  Shown& smooth = state_->smooth;
+  ShownView& smooth = state_->smooth;
   std::atomic<bool> is_abandoned{false};
   const auto fill = [&, tiles = state_->tiles_of(smooth)](std::size_t tile, TileImage& image) {
     if (abandon && (is_abandoned.load() || abandon())) {
@@ -302,7 +273,7 @@ void VertexRenderer::render_radiance(const DesignState& state, RgbImage& image,
   const Quaternion rotation = checked_rotation(state);
   RIMLIGHT_CHECK(state_->relight_exactly(state, rotation, report, {}));
   Stopwatch watch;
-  Shown& smooth = state_->smooth;
+  ShownView& smooth = state_->smooth;
   smooth.display.show(state_->tiles_of(smooth), state_->background(state, rotation), image);
   report.display_ms = watch.lap_ms();
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/light/sun_and_sky.h"
 #include "core/math/camera.h"
 #include "core/scene/g_buffer.h"
 #include "core/transport/bake_folder.h"
@@ -11,12 +12,6 @@
 #include "core/transport/vertex_transport.h"
 
 namespace rimlight {
-
-/// How a scene is lit by a sun, where an environment has one (split_sun).
-enum class SunLight {
-  harmonics,    // with the rest of the environment: soft shadows, which ring
-  directional,  // apart: shadows as sharp as pixels
-};
 
 /// A scene whose transport is at vertices: it can be seen from anywhere, and its materials edited.
 struct VertexScene {
