@@ -159,6 +159,19 @@ TEST(VertexShBake, UnshadowedIrradianceIsNotStoredButToWhatDegreeItIsNeeded) {
   EXPECT_EQ(spread.settings()["sun"], "harmonics");
 }
 
+TEST(VertexShBake, AnOpenMattSceneStoresNoTransportAtAll) {
+  const test::TemporaryFolder folder;
+  auto scene = ball_scene();
+  scene->bake.vertex.transfer = VertexTransfer::unshadowed;
+  scene->materials = {lambert(0.5f), lambert(0.2f)};
+  const VertexBakeSummary summary = bake_vertices(scene, folder / "a.bake", {});
+  EXPECT_EQ(summary.bytes, 0u);
+  const VertexBake bake(folder / "a.bake");
+  bake.verify();
+  EXPECT_EQ(bake.transport().highlight_count, 0u);
+  EXPECT_EQ(bake.transport().irradiance_channels, 0u);
+}
+
 TEST(VertexShBake, TheSunIsApartWhereNothingOfItsLightIsLost) {
   const test::TemporaryFolder folder;
   const auto sun_of = [&](VertexTransfer transfer, std::optional<SunLight> asked) {
