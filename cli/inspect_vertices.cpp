@@ -64,9 +64,11 @@ json describe_vertex_bake(const VertexBake& bake) {
       {"settings", bake.settings()},
       {"measured", bake.measured()},
       {"left_out", bake.left_out()}};
-  result["irradiance_energy"] =
-      band_energies(transport.irradiance, transport.irradiance_degree,
-                    transport.vertex_count * transport.irradiance_channels);
+  if (transport.irradiance_channels > 0) {
+    result["irradiance_energy"] =
+        band_energies(transport.irradiance, transport.irradiance_degree,
+                      transport.vertex_count * transport.irradiance_channels);
+  }
   if (transport.highlight_count > 0) {
     result["visibility_energy"] =
         band_energies(transport.visibility, transport.visibility_degree, transport.highlight_count);
@@ -88,7 +90,14 @@ void print_vertex_bake(const json& bake, bool verified) {
               verified ? ", every checksum right" : "");
   std::printf("  %zu vertices with a highlight, their visibility to degree %d\n",
               bake["highlight_vertices"].get<std::size_t>(), bake["visibility_degree"].get<int>());
-  print_bands("irradiance", bake["irradiance_energy"]);
+  if (bake["settings"].contains("sun")) {
+    std::printf("  a sun is shown as: %s\n", printable(bake["settings"]["sun"].dump()).c_str());
+  }
+  if (bake.contains("irradiance_energy")) {
+    print_bands("irradiance", bake["irradiance_energy"]);
+  } else {
+    std::printf("\n  irradiance follows from the normals: none is stored\n");
+  }
   if (bake.contains("visibility_energy")) print_bands("visibility", bake["visibility_energy"]);
   std::printf(
       "\n  material                       albedo              highlight           exponent\n");

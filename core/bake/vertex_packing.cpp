@@ -111,8 +111,10 @@ StoredTransport pack(const CalculatedTransport& transport, const LeavingOut& lea
   const Channels visibility = {transport.visibility};
   const KeptBands kept_visibility =
       keep_bands(visibility, transport.degree, kHemisphereNorm, leaving_out);
-  stored.irradiance =
-      to_batches(*irradiance, transport.vertex_count, transport.degree, kept.degree);
+  if (!transport.is_open) {
+    stored.irradiance =
+        to_batches(*irradiance, transport.vertex_count, transport.degree, kept.degree);
+  }
   stored.visibility =
       to_batches(visibility, transport.highlight_count, transport.degree, kept_visibility.degree);
   stored.left_out = {
@@ -120,13 +122,14 @@ StoredTransport pack(const CalculatedTransport& transport, const LeavingOut& lea
       {"irradiance_colour",
        {{"channels_left_out", 3 - irradiance->size()}, {"relative_error", colour_error}}},
       {"visibility", describe(kept_visibility, transport.degree)}};
+  stored.left_out["irradiance"]["follows_from_normals"] = transport.is_open;
   stored.left_out["visibility"]["vertices_left_out"] =
       transport.vertex_count - transport.highlight_count;
   stored.view = {.vertex_count = transport.vertex_count,
                  .highlight_count = transport.highlight_count,
                  .irradiance_degree = kept.degree,
                  .visibility_degree = kept_visibility.degree,
-                 .irradiance_channels = irradiance->size(),
+                 .irradiance_channels = transport.is_open ? 0 : irradiance->size(),
                  .irradiance = stored.irradiance,
                  .visibility = stored.visibility};
   return stored;

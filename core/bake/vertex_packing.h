@@ -13,6 +13,7 @@ struct CalculatedTransport {
   std::size_t vertex_count = 0;
   std::size_t highlight_count = 0;
   int degree = 0;
+  bool is_open = false;  // irradiance follows from the normals: nothing shadows or reflects it
   std::vector<std::vector<float>> irradiance;  // 1 or 3 channels: [vertex][(n + 1)²]
   std::vector<float> visibility;               // [highlight vertex][(n + 1)²]
 };
@@ -34,6 +35,7 @@ struct StoredTransport {
 };
 
 /// Transport as bakes store it: in batches of halves; in one channel where three are the same; and
+/// none at all of irradiance that is open; and
 /// without the highest bands, as long as what is left out of irradiance, and of visibility, costs
 /// no more than the error.
 StoredTransport pack(const CalculatedTransport& transport, const LeavingOut& leaving_out);

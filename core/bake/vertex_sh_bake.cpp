@@ -36,6 +36,18 @@ const char* transfer_name(VertexTransfer transfer) {
   return "";
 }
 
+/// Harmonics, unless asked otherwise, where they carry what of the sun's light takes a way that a
+/// direction does not show.
+const char* sun_name(const Scene& scene) {
+  const bool indirect = scene.bake.vertex.transfer == VertexTransfer::interreflected ||
+                        std::ranges::any_of(scene.materials, [](const Material& m) {
+                          return m.subsurface.has_value();
+                        });
+  const SunLight by_itself = indirect ? SunLight::harmonics : SunLight::directional;
+  return scene.bake.vertex.sun.value_or(by_itself) == SunLight::directional ? "directional"
+                                                                            : "harmonics";
+}
+
 void check_size(const Scene& scene, const PreparedVertices& prepared) {
   const int degree = scene.bake.vertex.degree;
   if (degree < 0 || degree > kLargestVertexDegree) {
@@ -118,6 +130,8 @@ class VertexCalculation {
   void finish(VertexVisibility found, const GatherMatrix* matrix,
               const std::vector<Vec3f>& albedo) {
     const SubsurfaceSpread spread(prepared_.mesh, scene_.materials);
+    result_.transport.is_open =
+        settings_.transfer == VertexTransfer::unshadowed && !spread.is_needed();
     const bool grey = is_grey(albedo) && !(spread.is_needed() && spread.is_coloured());
     const GatherMatrix none{std::vector<std::uint64_t>(result_.transport.vertex_count + 1), {}, {}};
     auto& channels = result_.transport.irradiance;
@@ -183,6 +197,7 @@ VertexBakeManifest describe(const Scene& scene, const PreparedVertices& prepared
                        {"most_rays", vertex.most_rays},
                        {"keep_bands", vertex.keep_bands},
                        {"longest_edge", vertex.longest_edge},
+                       {"sun", sun_name(scene)},
                        {"seed", scene.bake.seed}};
   manifest.measured = calculated.measured;
   manifest.measured["mesh"] = {{"computed_normals", prepared.computed_normals},

@@ -92,6 +92,31 @@ void TriangleTree::intersect(const Packet& packet, std::span<PrimaryHit, kPacket
   }
 }
 
+std::uint32_t TriangleTree::occluded(const ShadowPacket& packet, const Vec3f& direction) const {
+  alignas(64) std::array<int, kPacketRays> valid{};
+  RTCRay16 query{};
+  for (std::size_t i = 0; i < packet.count; ++i) {
+    valid[i] = -1;
+    query.org_x[i] = packet.x[i];
+    query.org_y[i] = packet.y[i];
+    query.org_z[i] = packet.z[i];
+    query.dir_x[i] = direction.x;
+    query.dir_y[i] = direction.y;
+    query.dir_z[i] = direction.z;
+    query.tfar[i] = std::numeric_limits<float>::infinity();
+    query.mask[i] = 0xffffffffu;
+  }
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcOccluded16(valid.data(), state_->tree.get(), &context, &query);
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < packet.count; ++i) {
+    if (query.tfar[i] < 0) bits |= std::uint32_t{1} << i;  // minus infinity
+  }
+  return bits;
+}
+
 GBuffer::GBuffer(std::shared_ptr<const TriangleTree> tree, int width, int height, PixelPoint point)
     : tree_(std::move(tree)), width_(width), height_(height), point_(point) {
   RIMLIGHT_CHECK(tree_ != nullptr);

@@ -42,6 +42,22 @@ class TriangleTree {
   /// The nearest hits of a packet's rays, on either side of the triangles.
   void intersect(const Packet& packet, std::span<PrimaryHit, kPacketRays> hits) const;
 
+  /// Where some parallel rays start: the first `count`, at most kPacketRays.
+  struct ShadowPacket {
+    std::size_t count = 0;
+    alignas(64) std::array<float, kPacketRays> x, y, z;
+
+    void add(const Vec3f& origin) {
+      x[count] = origin.x;
+      y[count] = origin.y;
+      z[count] = origin.z;
+      ++count;
+    }
+  };
+  /// For each ray of a packet whether a triangle is in its way to infinity, as bits. The direction
+  /// is of any length but zero.
+  std::uint32_t occluded(const ShadowPacket& packet, const Vec3f& direction) const;
+
  private:
   struct State;
   std::unique_ptr<State> state_;

@@ -10,6 +10,7 @@
 
 #include "core/image/image.h"
 #include "core/light/environment.h"
+#include "core/light/sun_and_sky.h"
 #include "core/material/brdf.h"
 #include "core/math/camera.h"
 #include "core/math/vec.h"
@@ -72,6 +73,8 @@ struct VertexBakeSettings {
   bool keep_bands = false;  // those, too, that the error does not need
   /// Longer edges are split, as a share of the longest side of the scene's box; 0: none is.
   double longest_edge = 0.01;
+  /// Else harmonics where light goes from surface to surface, or below one, and apart without.
+  std::optional<SunLight> sun = std::nullopt;
 };
 
 /// What to bake, with DESIGN's defaults.

@@ -111,7 +111,7 @@ void read_image_bake(const JsonReader& json, BakeSettings& bake) {
 
 void read_vertex_bake(const JsonReader& json, VertexBakeSettings& vertex) {
   json.allow_only({"kind", "width", "height", "degree", "error", "transfer", "most_rays",
-                   "keep_bands", "longest_edge", "seed"});
+                   "keep_bands", "longest_edge", "sun", "seed"});
   constexpr VertexTransfer kTransfers[] = {VertexTransfer::unshadowed, VertexTransfer::shadowed,
                                            VertexTransfer::interreflected};
   read_integer(json, "degree", 0, VertexBakeSettings::kLargestDegree, vertex.degree);
@@ -123,6 +123,10 @@ void read_vertex_bake(const JsonReader& json, VertexBakeSettings& vertex) {
   if (const auto keep = json.optional_member("keep_bands")) vertex.keep_bands = keep->boolean();
   if (const auto edge = json.optional_member("longest_edge")) {
     vertex.longest_edge = edge->number(0, 1);
+  }
+  if (const auto sun = json.optional_member("sun")) {
+    constexpr SunLight kLights[] = {SunLight::directional, SunLight::harmonics};
+    vertex.sun = kLights[sun->one_of({"directional", "harmonics"})];
   }
 }
 

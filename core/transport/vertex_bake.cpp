@@ -39,6 +39,7 @@ VertexBake::VertexBake(const std::filesystem::path& folder)
   mesh_ = read_mesh(files_.file(kMeshFile), files_.path(kMeshFile), shape, manifest_.materials);
   transport_ =
       read_vertex_transport(files_.file(kTransportFile), files_.path(kTransportFile), shape);
+  transport_.normals = mesh_.normals;
   environments_ = files_.read_environments();
 }
 

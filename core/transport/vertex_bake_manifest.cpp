@@ -96,8 +96,8 @@ VertexBakeShape read_vertex_shape(const JsonReader& reader) {
   shape.transport.irradiance_degree = read_degree(reader.member("irradiance_degree"));
   shape.transport.visibility_degree = read_degree(reader.member("visibility_degree"));
   const JsonReader channels = reader.member("irradiance_channels");
-  shape.transport.irradiance_channels = read_count(channels, 1, 3);
-  if (shape.transport.irradiance_channels == 2) channels.fail("1 or 3");
+  shape.transport.irradiance_channels = read_count(channels, 0, 3);
+  if (shape.transport.irradiance_channels == 2) channels.fail("0, 1 or 3");
   return shape;
 }
 

@@ -146,8 +146,10 @@ VertexMesh read_mesh(const TensorFile& file, const std::string& path, const Vert
 }
 
 std::vector<TensorShape> vertex_transport_tensors(const VertexBakeShape& shape) {
-  std::vector<TensorShape> tensors = {
-      {"irradiance", ElementType::f16, irradiance_shape(shape.transport)}};
+  std::vector<TensorShape> tensors;
+  if (shape.transport.irradiance_channels > 0) {
+    tensors.push_back({"irradiance", ElementType::f16, irradiance_shape(shape.transport)});
+  }
   if (shape.transport.highlight_count > 0) {
     tensors.push_back({"visibility", ElementType::f16, visibility_shape(shape.transport)});
   }
@@ -155,7 +157,7 @@ std::vector<TensorShape> vertex_transport_tensors(const VertexBakeShape& shape) 
 }
 
 void write_vertex_transport(TensorFileWriter& writer, const VertexTransportView& transport) {
-  writer.append(transport.irradiance);
+  if (transport.irradiance_channels > 0) writer.append(transport.irradiance);
   if (transport.highlight_count > 0) writer.append(transport.visibility);
 }
 
@@ -165,7 +167,9 @@ VertexTransportView read_vertex_transport(const TensorFile& file, const std::str
     expect_shape(file, path, tensor.name, tensor.shape);
   }
   VertexTransportView view = shape.transport;
-  view.irradiance = read_halves(file, path, "irradiance", view.vertex_count);
+  if (view.irradiance_channels > 0) {
+    view.irradiance = read_halves(file, path, "irradiance", view.vertex_count);
+  }
   if (view.highlight_count > 0) {
     view.visibility = read_halves(file, path, "visibility", view.highlight_count);
   }

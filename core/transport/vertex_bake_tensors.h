@@ -18,7 +18,7 @@ void write_mesh(TensorFileWriter& writer, const VertexMesh& mesh);
 VertexMesh read_mesh(const TensorFile& file, const std::string& path, const VertexBakeShape& shape,
                      const std::vector<VertexMaterial>& materials);
 
-/// Without "visibility" where no vertex has a highlight.
+/// Without "visibility" where no vertex has a highlight, and "irradiance" where it has no channel.
 std::vector<TensorShape> vertex_transport_tensors(const VertexBakeShape& shape);
 void write_vertex_transport(TensorFileWriter& writer, const VertexTransportView& transport);
 /// A view of the file's memory: finite, and zero in the last batch's padding.

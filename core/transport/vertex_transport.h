@@ -51,7 +51,8 @@ struct VertexTransportView {
   int irradiance_degree = 0;
   int visibility_degree = 0;
   /// 1 where all light that arrives has the colour it left the sky with; 3 where it was reflected
-  /// by coloured surfaces before.
+  /// by coloured surfaces before; 0 where nothing stands in its way and nothing is stored: then it
+  /// follows from the normals.
   std::size_t irradiance_channels = 1;
   /// Irradiance at a vertex under each harmonic, indirect light included:
   /// [batch][channel][(n + 1)²][kBatchVertices].
@@ -59,6 +60,8 @@ struct VertexTransportView {
   /// Visibility of the sky, not weighted by the cosine, above the vertex' tangent plane:
   /// [batch of the highlight_count][(n + 1)²][kBatchVertices].
   std::span<const Half> visibility;
+  /// [vertex], unit; needed only where irradiance follows from them.
+  std::span<const Vec3f> normals = {};
 };
 
 }  // namespace rimlight

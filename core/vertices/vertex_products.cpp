@@ -9,6 +9,7 @@
 #include "core/base/parallel.h"
 #include "core/basis/sh_kernel.h"
 #include "core/basis/sh_product_degrees_kernel.h"
+#include "core/vertices/open_irradiance.h"
 
 namespace rimlight {
 namespace {
@@ -62,8 +63,11 @@ std::vector<float> convolution_factors(std::span<const double> lobe) {
 VertexProducts::VertexProducts(const VertexTransportView& transport)
     : transport_(transport), matrix_(transport.visibility_degree) {
   RIMLIGHT_CHECK(transport.highlight_count <= transport.vertex_count);
-  RIMLIGHT_CHECK(transport.irradiance_channels == 1 ||
+  RIMLIGHT_CHECK(transport.irradiance_channels <= 1 ||
                  transport.irradiance_channels == kLightChannels);
+  if (transport.irradiance_channels == 0) {
+    RIMLIGHT_CHECK_EQ(transport.normals.size(), transport.vertex_count);
+  }
   sh::check_degree(transport.irradiance_degree);
   const std::size_t count = sh::coefficient_count(transport.irradiance_degree);
   RIMLIGHT_CHECK_EQ(
@@ -98,6 +102,10 @@ void VertexProducts::check(const VertexSelection& selection, const VertexGloss& 
 void VertexProducts::irradiance(const VertexSelection& selection, std::span<float> to) const {
   check(selection, transport_.vertex_count);
   RIMLIGHT_CHECK_EQ(to.size(), selection.panel_count() * kSums);
+  if (transport_.irradiance_channels == 0) {
+    open_irradiance(selection, transport_.normals, light_, transport_.irradiance_degree, to);
+    return;
+  }
   const std::size_t count = light_.size() / kLightChannels;
   const std::size_t batch = transport_.irradiance_channels * count * kBatchVertices;
   // By pieces: a batch whose vertices go to two panels is summed once.
@@ -128,6 +136,7 @@ void VertexProducts::irradiance(const VertexSelection& selection, std::span<floa
 
 void VertexProducts::load_irradiance(const VertexSelection& selection, std::size_t panel,
                                      float* values) const {
+  RIMLIGHT_CHECK(transport_.irradiance_channels > 0);
   load_panel(selection, panel, transport_.irradiance,
              transport_.irradiance_channels * sh::coefficient_count(transport_.irradiance_degree),
              values);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <map>
 #include <numbers>
 #include <utility>
 
@@ -13,6 +12,8 @@
 #include "core/relight/prepared_environment.h"
 #include "core/relight/recent_times.h"
 #include "core/relight/shown_environments.h"
+#include "core/vertices/shown_view.h"
+#include "core/vertices/vertex_lights.h"
 #include "core/vertices/vertex_shading.h"
 
 namespace rimlight {
@@ -20,26 +21,6 @@ namespace {
 
 /// More of the picture than this seen from behind is said.
 constexpr double kMostFromBehind = 0.01;
-
-/// A view and what shows it.
-struct Shown {
-  VertexView view;
-  Display display;
-  bool is_placed = false;  // whether the display is of this view
-
-  Shown(const VertexScene& scene, std::shared_ptr<const TriangleTree> tree,
-        std::vector<PixelPoint> points)
-      : view(*scene.mesh, std::move(tree),
-             {scene.width, scene.height, scene.transport.highlight_count, std::move(points)}),
-        display({scene.width, scene.height}, scene.camera, view.coverage()) {}
-
-  void look(const Camera& camera, GBufferDetail detail) {
-    if (view.look(camera, detail)) is_placed = false;
-    if (is_placed) return;
-    display.set_view(camera, view.coverage());
-    is_placed = true;
-  }
-};
 
 /// What the vertices are lit by.
 struct LitBy {
@@ -49,15 +30,11 @@ struct LitBy {
   friend bool operator==(const LitBy&, const LitBy&) = default;
 };
 
-struct Light {
-  std::shared_ptr<const PreparedEnvironment> prepared;
-  VertexLight light;
-};
-
-/// A light to 2n is all that a product to n sees of it.
-int light_degree(const VertexTransportView& transport) {
-  const int of_highlights = transport.highlight_count > 0 ? 2 * transport.visibility_degree : 0;
-  return std::max(transport.irradiance_degree, of_highlights);
+VertexLights::Settings light_settings(const VertexScene& scene, const VertexSettings& settings) {
+  return {{settings.light_size, settings.background_size},
+          VertexLights::degree_for(scene.transport),
+          settings.window,
+          settings.sun.value_or(scene.sun)};
 }
 
 std::shared_ptr<const TriangleTree> tree_of(const VertexScene& scene) {
@@ -78,13 +55,14 @@ struct VertexRenderer::State {
   std::shared_ptr<const VertexScene> scene;
   VertexSettings settings;
   std::shared_ptr<const TriangleTree> tree;
-  Shown quick, smooth;  // of one point a pixel, and of several
+  ShownView quick, smooth;  // of one point a pixel, and of several
   VertexLighting lighting;
   VertexMaterials materials;
   ShownEnvironments environments;
-  std::map<std::string, Light> lights;  // of the environments shown so far
+  VertexLights lights;
   std::optional<LitBy> held;
   std::vector<float> turned;
+  std::optional<Sun> sun;      // turned as well, where it is apart
   std::vector<Vec3f> diffuse;  // [vertex]
   RecentTimes viewing;         // what whole views took
   Rgb8Image drawn;             // an exact frame, until it is known that nobody abandons it
@@ -93,35 +71,36 @@ struct VertexRenderer::State {
       : scene(checked(std::move(scene_))),
         settings(settings_),
         tree(tree_of(*scene)),
-        quick(*scene, tree, {PixelPoint{}}),
-        smooth(*scene, tree, {kSmoothPoints.begin(), kSmoothPoints.end()}),
+        quick(*scene, tree, {PixelPoint{}}, 1),
+        smooth(*scene, tree, {kSmoothPoints.begin(), kSmoothPoints.end()}, kSmoothSunRays),
         lighting(scene->transport),
         materials(*scene, lighting.stride()),
         environments(scene->environments),
+        lights(light_settings(*scene, settings)),
         diffuse(scene->mesh->positions.size()) {}
 
-  Light& light(const std::string& name) {
-    const auto found = lights.find(name);
-    if (found != lights.end()) return found->second;
-    auto prepared = prepare_environment(environments.at(name).environment,
-                                        {settings.light_size, settings.background_size});
-    VertexLight light(prepared->texels, light_degree(scene->transport), settings.window);
-    return lights.emplace(name, Light{std::move(prepared), std::move(light)}).first->second;
+  const ShownLight& light(const std::string& name) {
+    return lights.at(environments.at(name).environment);
   }
 
   /// Turns the light and gives it to the vertices, unless they have it.
   void hold(const std::string& environment, const Quaternion& rotation) {
     const LitBy wanted{environment, rotation};
     if (held == wanted) return;
-    const VertexLight& source = light(environment).light;
-    turned.resize(source.coefficients().size());
-    source.turn(rotation, turned);
+    const ShownLight& source = light(environment);
+    turned.resize(source.light.coefficients().size());
+    source.light.turn(rotation, turned);
     lighting.set_light(turned);
+    sun = source.sun;
+    if (sun) sun->direction = rotated(rotation, sun->direction);
     held = wanted;
   }
 
-  /// The light of what the view needs, and from it the vertices' diffuse radiance.
-  void light_vertices(const VertexView& view) {
+  /// The light of what the view needs, from it the vertices' diffuse radiance, and who sees the
+  /// sun.
+  void light_view(ShownView& shown) {
+    shown.find_shadows(sun);
+    const VertexView& view = shown.view;
     lighting.light(view.vertices(), view.highlight_vertices());
     const VertexMesh& mesh = *scene->mesh;
     for (const std::uint32_t vertex : view.vertices()) {
@@ -148,10 +127,16 @@ struct VertexRenderer::State {
     }
   }
 
-  Display::FillTile tiles_of(const VertexView& view) const {
-    return [this, &view](std::size_t tile, TileImage& image) {
-      const VertexShading shading{*scene->mesh, view,      diffuse,
-                                  lighting,     materials, scene->transport.visibility_degree};
+  Display::FillTile tiles_of(const ShownView& shown) const {
+    return [this, &shown](std::size_t tile, TileImage& image) {
+      const VertexShading shading{*scene->mesh,
+                                  shown.view,
+                                  diffuse,
+                                  lighting,
+                                  materials,
+                                  scene->transport.visibility_degree,
+                                  sun ? &*sun : nullptr,
+                                  shown.shadows};
       const auto [left, top] =
           PixelLayout{scene->width, scene->height}.pixel(tile * kTileReceivers);
       return shade_tile(shading, left, top, image);
@@ -190,7 +175,7 @@ struct VertexRenderer::State {
     if (abandoned()) return false;
     smooth.look(camera, GBufferDetail::full);
     if (abandoned()) return false;
-    light_vertices(smooth.view);
+    light_view(smooth);
     report.update_ms = watch.lap_ms();
     describe(smooth.view, report);
     return !abandoned();
@@ -213,7 +198,7 @@ void VertexRenderer::prepare(const VertexScene& scene, const VertexSettings& set
 
 void VertexRenderer::add_environment(std::shared_ptr<const Environment> environment) {
   const std::string name = environment->name();
-  state_->lights.erase(name);
+  state_->lights.forget(name);
   state_->held.reset();
   state_->environments.set({environment, 1});
   DesignState state;
@@ -221,8 +206,8 @@ void VertexRenderer::add_environment(std::shared_ptr<const Environment> environm
   state_->materials.set({});
   state_->hold(name, {});
   state_->quick.look(state_->scene->camera, GBufferDetail::full);
-  state_->light_vertices(state_->quick.view);
-  const auto fill = state_->tiles_of(state_->quick.view);
+  state_->light_view(state_->quick);
+  const auto fill = state_->tiles_of(state_->quick);
   const PixelLayout pixels{state_->scene->width, state_->scene->height};
   const auto coverage = state_->quick.view.coverage();
   std::vector<Vec3f> covered;
@@ -250,11 +235,11 @@ FrameReport VertexRenderer::render_moving(const DesignState& state, Rgb8Image& f
   state_->hold(state.environment, rotation);
   report.rotate_ms = watch.lap_ms();
   state_->look_moving(camera);
-  Shown& quick = state_->quick;
-  state_->light_vertices(quick.view);
+  ShownView& quick = state_->quick;
+  state_->light_view(quick);
   report.update_ms = watch.lap_ms();
   state_->describe(quick.view, report);
-  quick.display.show(state_->tiles_of(quick.view), state_->background(state, rotation),
+  quick.display.show(state_->tiles_of(quick), state_->background(state, rotation),
                      state_->environments.exposure_of(state), frame);
   report.display_ms = watch.lap_ms();
   return report;
@@ -265,9 +250,9 @@ bool VertexRenderer::render_exact(const DesignState& state, Rgb8Image& frame, Fr
   const Quaternion rotation = checked_rotation(state);
   if (!state_->relight_exactly(state, rotation, report, abandon)) return false;
   Stopwatch watch;
-  Shown& smooth = state_->smooth;
+  ShownView& smooth = state_->smooth;
   std::atomic<bool> is_abandoned{false};
-  const auto fill = [&, tiles = state_->tiles_of(smooth.view)](std::size_t tile, TileImage& image) {
+  const auto fill = [&, tiles = state_->tiles_of(smooth)](std::size_t tile, TileImage& image) {
     if (abandon && (is_abandoned.load() || abandon())) {
       is_abandoned.store(true);
       for (auto& channel : image.channel) channel.fill(0);
@@ -288,8 +273,8 @@ void VertexRenderer::render_radiance(const DesignState& state, RgbImage& image,
   const Quaternion rotation = checked_rotation(state);
   RIMLIGHT_CHECK(state_->relight_exactly(state, rotation, report, {}));
   Stopwatch watch;
-  Shown& smooth = state_->smooth;
-  smooth.display.show(state_->tiles_of(smooth.view), state_->background(state, rotation), image);
+  ShownView& smooth = state_->smooth;
+  smooth.display.show(state_->tiles_of(smooth), state_->background(state, rotation), image);
   report.display_ms = watch.lap_ms();
 }
 

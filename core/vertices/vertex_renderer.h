@@ -3,6 +3,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "core/image/image.h"
 #include "core/relight/design_state.h"
@@ -17,6 +18,9 @@ namespace rimlight {
 inline constexpr std::array<PixelPoint, 4> kSmoothPoints{
     {{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}}};
 
+/// Rays from each of them over the disc of a sun that is apart.
+inline constexpr int kSmoothSunRays = 4;
+
 struct VertexSettings {
   int background_size = 256;  // texels a side of the cube map of the environment behind the pixels
   int light_size = 256;       // of the one that is projected to harmonics
@@ -26,6 +30,8 @@ struct VertexSettings {
   /// A frame in motion of a new view is coarse, every second pixel both ways, where the whole one
   /// takes longer than this; 0: always.
   double view_ms = 25;
+  /// Another way for the sun than the scene asks for.
+  std::optional<SunLight> sun = std::nullopt;
 };
 
 /// Turns a design state into pixels of a scene of vertices, seen from any camera: turns the light
@@ -33,6 +39,14 @@ struct VertexSettings {
 /// highlights at each pixel, puts the environment behind, tone-maps. What does not change from
 /// frame to frame is kept: a view while it stands still, the light of vertices under one light. One
 /// thread at a time; computes on all cores.
+///
+/// A sun (split_sun) that the scene wants apart (SunLight::directional) is no part of the
+/// harmonics: a pixel that sees it, by shadow rays, gets
+///
+///   tint · albedo / π · E · max(0, n · s)  +  highlight · E · lobe(mirrored ω_o · s)
+///
+/// from its irradiance E and direction s; a frame in motion by one ray to its middle, an exact
+/// frame by kSmoothSunRays over its disc at each of the kSmoothPoints.
 ///
 /// A pixel is as in FrameRenderer, and so are exposure and environments; its states and methods are
 /// the same too. Surfaces are seen from behind as from in front, without a highlight; the report

@@ -64,8 +64,11 @@ void check_transport(const Checker& check, const VertexTransportView& transport,
   check.below("transport: vertices with a highlight", transport.highlight_count, vertices + 1);
   check.within("transport: irradiance degree", transport.irradiance_degree, 0, sh::kLargestDegree);
   check.within("transport: visibility degree", transport.visibility_degree, 0, sh::kLargestDegree);
-  if (transport.irradiance_channels != 1 && transport.irradiance_channels != 3) {
-    check.fail("transport: channels", std::to_string(transport.irradiance_channels), "1 or 3");
+  if (transport.irradiance_channels > 3 || transport.irradiance_channels == 2) {
+    check.fail("transport: channels", std::to_string(transport.irradiance_channels), "0, 1 or 3");
+  }
+  if (transport.irradiance_channels == 0) {
+    check.equal("transport: normals", transport.normals.size(), vertices);
   }
   check.equal("transport: irradiance", transport.irradiance.size(),
               batch_count(vertices) * transport.irradiance_channels *
@@ -110,6 +113,8 @@ VertexScene vertex_scene_of(std::shared_ptr<const VertexBake> bake) {
   scene.has_interreflection = transfer != bake->settings().end()
                                   ? *transfer == "interreflected"
                                   : scene.transport.irradiance_channels == 3;
+  const auto sun = bake->settings().find("sun");
+  if (sun != bake->settings().end() && *sun == "directional") scene.sun = SunLight::directional;
   scene.memory = std::move(bake);
   scene.tree = std::make_shared<const TriangleTree>(scene.mesh->positions, scene.mesh->triangles,
                                                     scene.name);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/light/sun_and_sky.h"
 #include "core/math/camera.h"
 #include "core/scene/g_buffer.h"
 #include "core/transport/bake_folder.h"
@@ -25,6 +26,7 @@ struct VertexScene {
   /// Whether light went from surface to surface with the baked albedo: then it does not follow an
   /// edited one.
   bool has_interreflection = false;
+  SunLight sun = SunLight::harmonics;
   std::shared_ptr<const void> memory;  // of the transport's views
   /// The mesh for rays, shared by all who show the scene; each makes its own without one.
   std::shared_ptr<const TriangleTree> tree;

@@ -1,6 +1,8 @@
 #include "core/vertices/vertex_shading.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "core/basis/sh_kernel.h"
 #include "core/vertices/vertex_lobe_kernel.h"
@@ -30,6 +32,14 @@ struct Highlights {
     return highlights;
   }
 };
+
+/// (s + 1)/2π · max(0, cosine)^s.
+float phong_value(double exponent, double cosine) {
+  // No way (zero: no highlight is there) looks like one at right angles.
+  if (!(cosine > 0)) return 0;
+  return static_cast<float>((exponent + 1) / (2 * std::numbers::pi) *
+                            std::pow(std::min(cosine, 1.0), exponent));
+}
 
 class TileShader {
  public:
@@ -74,6 +84,9 @@ class TileShader {
     const auto place = static_cast<std::uint16_t>(row * kTileSide + column);
     add(place, radiance * share_);
     const std::uint32_t material = shading_.mesh.materials[corners[0]];
+    if (shading_.sun != nullptr) {
+      add(place, sunlight(layer, left_ + column, top_ + row, corners, weights) * share_);
+    }
     if (!shading_.materials.has_highlight(material)) return;
     const Vec3f& way = shading_.view.mirrored(layer, left_ + column, top_ + row);
     if (way == Vec3f()) return;
@@ -88,6 +101,28 @@ class TileShader {
     highlights_.weights[i] = shading_.materials.at(material).highlight * share_;
     highlights_.place[i] = place;
   }
+
+  /// What a pixel reflects of the sun.
+  Vec3f sunlight(std::size_t layer, int x, int y, const std::array<std::uint32_t, 3>& corners,
+                 const std::array<float, 3>& weights) const {
+    const SunAtPoint& at = shading_.shadows.at(
+        layer, static_cast<std::size_t>(y) * static_cast<std::size_t>(width_of_view()) +
+                   static_cast<std::size_t>(x));
+    if (!(at.visible > 0)) return {};
+    const VertexMesh& mesh = shading_.mesh;
+    const std::uint32_t index = mesh.materials[corners[0]];
+    const VertexMaterial& material = shading_.materials.at(index);
+    const Vec3f tint = mesh.tints[corners[0]] * weights[0] + mesh.tints[corners[1]] * weights[1] +
+                       mesh.tints[corners[2]] * weights[2];
+    Vec3f reflected = tint * material.albedo * (at.cosine * std::numbers::inv_pi_v<float>);
+    if (shading_.materials.has_highlight(index)) {
+      const Vec3f& way = shading_.view.mirrored(layer, x, y);
+      reflected += material.highlight *
+                   phong_value(material.exponent, dot(Vec3d(way), shading_.sun->direction));
+    }
+    return reflected * Vec3f(shading_.sun->irradiance) * at.visible;
+  }
+  int width_of_view() const { return shading_.view.width(); }
 
   void add_highlights() {
     const std::size_t count = highlights_.count, padded = sh::padded(count);

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "core/relight/tile_image.h"
+#include "core/vertices/sun_shadows.h"
 #include "core/vertices/vertex_lighting.h"
 #include "core/vertices/vertex_materials.h"
 #include "core/vertices/vertex_view.h"
@@ -17,12 +18,15 @@ struct VertexShading {
   const VertexLighting& lighting;  // of those that have a highlight
   const VertexMaterials& materials;
   int visibility_degree;
+  const Sun* sun;  // or null; then its shadows are not looked at
+  const SunShadows& shadows;
 };
 
 /// The radiance of a tile's pixels, its upper left corner at (left, top), black outside the image:
 /// diffuse radiance interpolated from vertices; to it the highlight, the light that arrives
-/// interpolated, convolved with the lobe, at the mirrored direction (Lee 2014, eq. 4.4). Answers Σ
-/// of its squares. Any thread; allocates nothing after each thread's first tile.
+/// interpolated, convolved with the lobe, at the mirrored direction (Lee 2014, eq. 4.4); to both
+/// the sun's, if there is one. Answers Σ of its squares. Any thread; allocates nothing after each
+/// thread's first tile.
 double shade_tile(const VertexShading& shading, int left, int top, TileImage& image);
 
 }  // namespace rimlight

@@ -52,13 +52,6 @@ std::map<std::string, std::string> contents(const std::filesystem::path& folder)
   return files;
 }
 
-double value(const VertexTransportView& view, std::size_t vertex, std::size_t channel,
-             std::size_t i) {
-  const std::size_t count = sh::coefficient_count(view.irradiance_degree);
-  const std::size_t row = (vertex / 64 * view.irradiance_channels + channel) * count + i;
-  return to_float(view.irradiance[row * 64 + vertex % 64]);
-}
-
 TEST(VertexShBake, WritesWhatTheSceneAsksFor) {
   const test::TemporaryFolder folder;
   std::vector<std::string> stages;
@@ -126,21 +119,76 @@ TEST(VertexShBake, TheBytesDoNotDependOnThreads) {
 }
 
 TEST(VertexShBake, UnshadowedTransportIsTheClampedCosine) {
+  auto scene = ball_scene();
+  scene->bake.vertex.transfer = VertexTransfer::unshadowed;
+  const PreparedVertices prepared = prepare_vertices(*scene);
+  const CalculatedVertices calculated = calculate_vertices(*scene, prepared, {});
+  EXPECT_EQ(calculated.rays, 0u);
+  EXPECT_TRUE(calculated.transport.is_open);
+  ASSERT_EQ(calculated.transport.irradiance.size(), 1u);
+  const auto lobe = sh::clamped_cosine_lobe(5);
+  for (std::size_t v = 0; v < prepared.mesh.normals.size(); ++v) {
+    const auto expected = sh::turned_lobe(lobe, Vec3d(prepared.mesh.normals[v]));
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_NEAR(calculated.transport.irradiance[0][v * 36 + i], expected[i], 1e-6);
+    }
+  }
+}
+
+TEST(VertexShBake, UnshadowedIrradianceIsNotStoredButToWhatDegreeItIsNeeded) {
   const test::TemporaryFolder folder;
   auto scene = ball_scene();
   scene->bake.vertex.transfer = VertexTransfer::unshadowed;
-  scene->bake.vertex.keep_bands = true;
-  const VertexBakeSummary summary = bake_vertices(scene, folder / "a.bake", {});
-  EXPECT_EQ(summary.rays, 0u);
-  const VertexBake bake(folder / "a.bake");
-  EXPECT_EQ(bake.transport().irradiance_channels, 1u);
-  const auto lobe = sh::clamped_cosine_lobe(5);
-  for (std::size_t v = 0; v < bake.mesh().normals.size(); ++v) {
-    const auto expected = sh::turned_lobe(lobe, Vec3d(bake.mesh().normals[v]));
-    for (std::size_t i = 0; i < expected.size(); ++i) {
-      EXPECT_NEAR(value(bake.transport(), v, 0, i), expected[i], 1e-3);  // halves
-    }
+  for (const auto& [error, degree] : {std::pair{0.1, 2}, {0.05, 4}}) {
+    scene->bake.vertex.error = error;
+    bake_vertices(scene, folder / "a.bake", {});
+    const VertexBake bake(folder / "a.bake");
+    EXPECT_EQ(bake.transport().irradiance_channels, 0u);
+    EXPECT_EQ(bake.transport().irradiance.size(), 0u);
+    EXPECT_EQ(bake.transport().normals.data(), bake.mesh().normals.data());
+    EXPECT_EQ(bake.transport().irradiance_degree, degree);
+    const auto& left_out = bake.left_out()["irradiance"];
+    EXPECT_EQ(left_out["follows_from_normals"], true);
+    EXPECT_LE(left_out["rms_error"].get<double>(), error);
+    EXPECT_EQ(bake.settings()["sun"], "directional");
   }
+  scene->bake.vertex.sun = SunLight::harmonics;
+  for (Material& material : scene->materials)
+    material.subsurface = Subsurface{{1, 1, 1}, {20, 20, 20}};
+  bake_vertices(scene, folder / "b.bake", {});
+  const VertexBake spread(folder / "b.bake");  // light goes through it
+  EXPECT_EQ(spread.transport().irradiance_channels, 1u);
+  EXPECT_EQ(spread.left_out()["irradiance"]["follows_from_normals"], false);
+  EXPECT_EQ(spread.settings()["sun"], "harmonics");
+}
+
+TEST(VertexShBake, AnOpenMattSceneStoresNoTransportAtAll) {
+  const test::TemporaryFolder folder;
+  auto scene = ball_scene();
+  scene->bake.vertex.transfer = VertexTransfer::unshadowed;
+  scene->materials = {lambert(0.5f), lambert(0.2f)};
+  const VertexBakeSummary summary = bake_vertices(scene, folder / "a.bake", {});
+  EXPECT_EQ(summary.bytes, 0u);
+  const VertexBake bake(folder / "a.bake");
+  bake.verify();
+  EXPECT_EQ(bake.transport().highlight_count, 0u);
+  EXPECT_EQ(bake.transport().irradiance_channels, 0u);
+}
+
+TEST(VertexShBake, TheSunIsApartWhereNothingOfItsLightIsLost) {
+  const test::TemporaryFolder folder;
+  const auto sun_of = [&](VertexTransfer transfer, std::optional<SunLight> asked) {
+    auto scene = ball_scene();
+    scene->bake.vertex.transfer = transfer;
+    scene->bake.vertex.error = 0.2;
+    scene->bake.vertex.sun = asked;
+    bake_vertices(scene, folder / "a.bake", {});
+    return VertexBake(folder / "a.bake").settings()["sun"].get<std::string>();
+  };
+  EXPECT_EQ(sun_of(VertexTransfer::shadowed, {}), "directional");
+  EXPECT_EQ(sun_of(VertexTransfer::interreflected, {}), "harmonics");
+  EXPECT_EQ(sun_of(VertexTransfer::interreflected, SunLight::directional), "directional");
+  EXPECT_EQ(sun_of(VertexTransfer::shadowed, SunLight::harmonics), "harmonics");
 }
 
 TEST(VertexShBake, ShadowsTakeLightAndBouncesGiveSomeBack) {

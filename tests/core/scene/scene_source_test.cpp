@@ -211,7 +211,8 @@ TEST(SceneSource, BakesOfVerticesHaveFieldsOfTheirOwn) {
   const std::string grey = R"({"model": "lambert"})";
   const BakeSettings bake =
       parse(scene_with(grey, R"({"kind": "vertex_sh", "degree": 20, "error": 0.005, "seed": 8,
-        "transfer": "shadowed", "most_rays": 64, "keep_bands": true, "longest_edge": 0.25, "width": 30, "height": 40})"))
+        "transfer": "shadowed", "most_rays": 64, "keep_bands": true, "longest_edge": 0.25,
+        "sun": "directional", "width": 30, "height": 40})"))
           .bake;
   EXPECT_EQ(bake.kind, BakeKind::vertex_sh);
   EXPECT_EQ(bake.vertex.degree, 20);
@@ -220,6 +221,10 @@ TEST(SceneSource, BakesOfVerticesHaveFieldsOfTheirOwn) {
   EXPECT_EQ(bake.vertex.most_rays, 64);
   EXPECT_TRUE(bake.vertex.keep_bands);
   EXPECT_EQ(bake.vertex.longest_edge, 0.25);
+  EXPECT_EQ(bake.vertex.sun, SunLight::directional);
+  EXPECT_EQ(parse(scene_with(grey, R"({"kind": "vertex_sh", "sun": "harmonics"})")).bake.vertex.sun,
+            SunLight::harmonics);
+  EXPECT_EQ(parse(scene_with(grey, R"({"kind": "vertex_sh"})")).bake.vertex.sun, std::nullopt);
   EXPECT_EQ(bake.seed, 8u);
   EXPECT_EQ(bake.width, 30);
   EXPECT_EQ(bake.height, 40);
@@ -235,6 +240,7 @@ TEST(SceneSource, BakesOfVerticesHaveFieldsOfTheirOwn) {
            {R"("kind": "vertex_sh", "most_rays": 63)", "/bake/most_rays"},
            {R"("kind": "vertex_sh", "keep_bands": 1)", "/bake/keep_bands"},
            {R"("kind": "vertex_sh", "longest_edge": 1.1)", "/bake/longest_edge"},
+           {R"("kind": "vertex_sh", "sun": "bright")", "/bake/sun"},
            {R"("kind": "vertex_sh", "cube_size": 32)", "cube_size"},
            {R"("kind": "cloud")", "/bake/kind"},
            {R"("degree": 4)", "degree"}}) {

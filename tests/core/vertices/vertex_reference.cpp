@@ -53,7 +53,13 @@ VertexImage::VertexImage(const VertexScene& scene, const DesignState& state, int
   }
   for (const BakedEnvironment& baked : scene.environments) {
     if (baked.environment->name() != state.environment) continue;
-    const CubeLight light = baked.environment->project(light_size);
+    CubeLight light = baked.environment->project(light_size);
+    if (scene.sun == SunLight::directional) {
+      SunAndSky split = split_sun(light);
+      light = std::move(split.sky);
+      sun_ = split.sun;
+      if (sun_) sun_->direction = rotated(state.rotation, sun_->direction);
+    }
     for (std::size_t t = 0; t < light.count(); ++t) {
       texels_.push_back({rotated(state.rotation, cube::texel_direction(t, light_size)),
                          Vec3d(light.at(t)) * cube::texel_solid_angle(t, light_size)});
@@ -67,6 +73,45 @@ VertexPixel VertexImage::pixel(int x, int y) const {
     add_point(x + point.x, y + point.y, 1.0 / kSmoothPoints.size(), pixel);
   }
   return pixel;
+}
+
+void VertexImage::add_sun(const SurfacePoint& at, double share, VertexPixel& pixel) const {
+  const double cosine = dot(at.normal, sun_->direction);
+  if (cosine <= 0) return;
+  const VertexMesh& mesh = *scene_.mesh;
+  const auto& corners = mesh.triangles[at.triangle];
+  Vec3d flat, lift, tint;
+  for (std::size_t k = 0; k < 3; ++k) {
+    flat += Vec3d(mesh.positions[corners[k]]) * at.weights[k];
+    tint += Vec3d(mesh.tints[corners[k]]) * at.weights[k];
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d normal(mesh.normals[corners[k]]);
+    const double height = dot(flat - Vec3d(mesh.positions[corners[k]]), normal);
+    if (height < 0) lift += normal * (-height * at.weights[k]);
+  }
+  // Beyond what a margin of kEdge reaches back.
+  const Vec3d start = flat + lift + sun_->direction * (2 * kEdge);
+  const auto triangles = triangles_of(scene_);
+  const bool outer = nearest_hit(*triangles, start, sun_->direction, kEdge).has_value();
+  if (outer != nearest_hit(*triangles, start, sun_->direction, -kEdge).has_value()) {
+    pixel.is_safe = false;
+  }
+  if (outer) return;
+  pixel.sun += share;
+  const VertexMaterial& material = materials_[mesh.materials[corners[0]]];
+  const double facing = std::max(0.0, dot(at.mirrored, sun_->direction));
+  const bool is_glossy =
+      std::max({corners[0], corners[1], corners[2]}) < scene_.transport.highlight_count;
+  const double lobe = is_glossy ? (material.exponent + 1) / (2 * std::numbers::pi) *
+                                      std::pow(facing, material.exponent)
+                                : 0.0;
+  for (int c = 0; c < 3; ++c) {
+    const double diffuse = tint[c] * material.albedo[c] / std::numbers::pi * cosine;
+    const double sum = share * sun_->irradiance[c] * (diffuse + material.highlight[c] * lobe);
+    pixel.radiance[c] += sum;
+    pixel.magnitude += sum;
+  }
 }
 
 void VertexImage::add_point(double x, double y, double share, VertexPixel& pixel) const {
@@ -89,6 +134,9 @@ void VertexImage::add_point(double x, double y, double share, VertexPixel& pixel
   for (std::size_t k = 0; k < 3; ++k) normal += Vec3d(mesh.normals[corners[k]]) * weights[k];
   normal = normalized(normal);
   const Vec3d mirrored = way - normal * (2 * dot(way, normal));
+  if (sun_) {
+    add_sun({hit->triangle, {weights[0], weights[1], weights[2]}, normal, mirrored}, share, pixel);
+  }
   const auto lobe = sh::phong_lobe(material.exponent, transport.visibility_degree);
   const bool is_glossy = std::max({corners[0], corners[1], corners[2]}) < transport.highlight_count;
   const std::size_t irradiance_count = sh::coefficient_count(transport.irradiance_degree);

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/relight/display.h"
+#include "core/vertices/sun_shadows.h"
+#include "core/vertices/vertex_scene.h"
+#include "core/vertices/vertex_view.h"
+
+namespace rimlight {
+
+/// A view, what shows it, and its shadows. One thread at a time.
+struct ShownView {
+  VertexView view;
+  Display display;
+  SunShadows shadows;
+  bool is_placed = false;  // whether the display is of this view
+  bool is_traced = false;  // whether the shadows are
+
+  ShownView(const VertexScene& scene, const std::shared_ptr<const TriangleTree>& tree,
+            std::vector<PixelPoint> points, int sun_rays)
+      : view(*scene.mesh, tree,
+             {scene.width, scene.height, scene.transport.highlight_count, std::move(points)}),
+        display({scene.width, scene.height}, scene.camera, view.coverage()),
+        shadows(*scene.mesh, tree, sun_rays) {}
+
+  void look(const Camera& camera, GBufferDetail detail) {
+    if (view.look(camera, detail)) is_placed = is_traced = false;
+    if (is_placed) return;
+    display.set_view(camera, view.coverage());
+    is_placed = true;
+  }
+
+  /// None: no shadows are looked at.
+  void find_shadows(const std::optional<Sun>& sun) {
+    if (!sun) return;
+    shadows.find(view, *sun, !is_traced);
+    is_traced = true;
+  }
+};
+
+}  // namespace rimlight
