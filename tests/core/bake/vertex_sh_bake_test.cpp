@@ -149,7 +149,7 @@ TEST(VertexShBake, UnshadowedIrradianceIsNotStoredButToWhatDegreeItIsNeeded) {
     EXPECT_EQ(bake.transport().irradiance_degree, degree);
     const auto& left_out = bake.left_out()["irradiance"];
     EXPECT_EQ(left_out["follows_from_normals"], true);
-    EXPECT_LE(left_out["rms_error"].get<double>(), error);
+    EXPECT_LE(left_out["relative_error"].get<double>(), error);
     EXPECT_EQ(bake.settings()["sun"], "directional");
   }
   scene->bake.vertex.sun = SunLight::harmonics;
