@@ -167,7 +167,8 @@ class Contest {
 
 void Contest::measure_frame(std::span<const float> light, bool follows_last, VertexImage& full,
                             std::array<Comparison, 2>& policies) {
-  auto& [multi_level, view] = policies;
+  auto& multi_level = policies[0];
+  auto& view = policies[1];
   const Limits threshold = limits(sight_.settings.threshold);
   const Limits tolerance = limits(sight_.settings.tolerance);
   full_seconds_.push_back(best_seconds([&] { calculate_full(light, full); }));
