@@ -84,14 +84,7 @@ void add_adaptive_sh_report(CLI::App& report, Action& chosen) {
       "beside the full one");
   add_output_options(*command, options->report);
   AdaptiveShSettings& settings = options->settings;
-  command
-      ->add_option("--mesh", options->meshes,
-                   "A part of the default scene by name, or a mesh file; repeatable")
-      ->capture_default_str();
-  command
-      ->add_option("--light", options->lights,
-                   "A built-in environment by name, or a .hdr or .exr file; repeatable")
-      ->capture_default_str();
+  add_source_options(*command, options->meshes, options->lights);
   command->add_option("--degree", settings.degrees, "Of the harmonics; repeatable")
       ->check(CLI::Range(1, sh::kLargestDegree))
       ->capture_default_str();

@@ -88,14 +88,7 @@ void add_sh_policies_report(CLI::App& report, Action& chosen) {
       "Irradiance under a light that turns, 25 coefficients of spherical harmonics a frame: by "
       "band, by benefit, and the first 25 or 100 of them");
   add_output_options(*command, options->report);
-  command
-      ->add_option("--mesh", options->meshes,
-                   "A part of the default scene by name, or a mesh file; repeatable")
-      ->capture_default_str();
-  command
-      ->add_option("--light", options->lights,
-                   "A built-in environment by name, or a .hdr or .exr file; repeatable")
-      ->capture_default_str();
+  add_source_options(*command, options->meshes, options->lights);
   command->add_option("--degree", options->degree, "Of the harmonics")
       ->check(CLI::Range(1, sh::kLargestDegree))
       ->capture_default_str();

@@ -9,6 +9,18 @@
 
 namespace rimlight {
 
+void add_source_options(CLI::App& command, std::vector<std::string>& meshes,
+                        std::vector<std::string>& lights) {
+  command
+      .add_option("--mesh", meshes,
+                  "A part of the default scene by name, or a mesh file; repeatable")
+      ->capture_default_str();
+  command
+      .add_option("--light", lights,
+                  "A built-in environment by name, or a .hdr or .exr file; repeatable")
+      ->capture_default_str();
+}
+
 NamedMesh find_mesh(const std::string& name, const Scene& builtin) {
   const std::filesystem::path file(name);
   if (file.has_extension()) {

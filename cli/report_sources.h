@@ -1,7 +1,9 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/light/environment.h"
 #include "core/report/lit_mesh.h"
@@ -9,7 +11,11 @@
 
 namespace rimlight {
 
-// What --mesh and --light of a report name. Throw Error naming the option.
+/// Adds --mesh and --light; what stands in the lists already is the default.
+void add_source_options(CLI::App& command, std::vector<std::string>& meshes,
+                        std::vector<std::string>& lights);
+
+// What they name. Throw Error naming the option.
 
 /// The parts of the default scene of a name, or a file.
 NamedMesh find_mesh(const std::string& name, const Scene& builtin);
