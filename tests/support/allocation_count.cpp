@@ -8,10 +8,13 @@ namespace {
 thread_local std::size_t count = 0;
 
 #ifndef RIMLIGHT_THREAD_SANITIZER
-void* counted(std::size_t size, std::size_t alignment) {
+void* try_counted(std::size_t size, std::size_t alignment) noexcept {
   ++count;
   const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
-  void* const memory = std::aligned_alloc(alignment, rounded == 0 ? alignment : rounded);
+  return std::aligned_alloc(alignment, rounded == 0 ? alignment : rounded);
+}
+void* counted(std::size_t size, std::size_t alignment) {
+  void* const memory = try_counted(size, alignment);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
@@ -30,6 +33,13 @@ std::size_t allocation_count() { return count; }
 void* operator new(std::size_t size) { return counted(size, alignof(std::max_align_t)); }
 void* operator new(std::size_t size, std::align_val_t alignment) {
   return counted(size, static_cast<std::size_t>(alignment));
+}
+// These end in the ones above as well, but not where AddressSanitizer brings its own.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return try_counted(size, alignof(std::max_align_t));
+}
+void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return try_counted(size, static_cast<std::size_t>(alignment));
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }

@@ -23,7 +23,7 @@ LightSequence short_turn() {
                               "turn", ".");
 }
 
-std::map<std::string, std::vector<ShPolicyRow>> rows_by_run() {
+const std::map<std::string, std::vector<ShPolicyRow>>& rows_by_run() {
   static const auto rows = [] {
     const LitMesh lit = light_mesh("ball", {make_sphere(1, 24)}, kDegree);
     std::map<std::string, std::vector<ShPolicyRow>> by_run;
