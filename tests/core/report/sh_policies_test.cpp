@@ -27,12 +27,14 @@ const std::map<std::string, std::vector<ShPolicyRow>>& rows_by_run() {
   static const auto rows = [] {
     const LitMesh lit = light_mesh("ball", {make_sphere(1, 24)}, kDegree);
     std::map<std::string, std::vector<ShPolicyRow>> by_run;
-    for (const ShPolicyRow& row : measure_sh_policies(
-             lit, builtin_environment("studio"),
-             {short_turn(),
-              0,
-              {{Policy::linear, 9}, {Policy::linear, 100}, {Policy::pbi, 25}, {Policy::benefit, 25}}},
-             {})) {
+    for (const ShPolicyRow& row : measure_sh_policies(lit, builtin_environment("studio"),
+                                                      {short_turn(),
+                                                       0,
+                                                       {{Policy::linear, 9},
+                                                        {Policy::linear, 100},
+                                                        {Policy::pbi, 25},
+                                                        {Policy::benefit, 25}}},
+                                                      {})) {
       by_run[row.run].push_back(row);
     }
     return by_run;

@@ -37,7 +37,8 @@ void write_bake(const std::filesystem::path& folder, const test::SmallBake& sett
                 const Rows& rows, std::size_t columns) {
   BakeWriter writer(folder);
   fill(writer, settings);
-  const auto file = writer.create(kReferenceFile, reference_tensors({.rows = rows.groups.size()}, columns));
+  const auto file =
+      writer.create(kReferenceFile, reference_tensors({.rows = rows.groups.size()}, columns));
   file->append(std::span<const std::uint64_t>(rows.groups));
   file->append(std::span<const float>(rows.values));
   writer.add_file(kReferenceFile, file->finish());
