@@ -16,6 +16,8 @@ enum class CurveScale { linear, logarithmic };
 struct CurvePoint {
   double position = 0;
   Vec3d value;
+
+  friend bool operator==(const CurvePoint&, const CurvePoint&) = default;
 };
 
 inline constexpr std::size_t kMostCurvePoints = kCurveBins;

@@ -1,7 +1,9 @@
 #include "core/relight/design_state.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "core/base/check.h"
 #include "core/base/error.h"
 
 namespace rimlight {
@@ -21,6 +23,14 @@ Quaternion checked_rotation(const DesignState& state) {
     throw Error("rotation", "a quaternion of length " + std::to_string(size), "a unit quaternion");
   }
   return normalized(state.rotation);
+}
+
+BrdfCurve curve_of(CurveAxis axis, const CurveEdit& edit) {
+  if (!edit.points.empty()) return curve_from_points(axis, edit.scale, edit.points, "points");
+  BrdfCurve curve{axis, {}};
+  RIMLIGHT_CHECK_EQ(edit.values.size(), kCurveBins);
+  std::ranges::copy(edit.values, curve.values.begin());
+  return curve;
 }
 
 void check_lobe(std::span<const double> values, const std::string& where) {

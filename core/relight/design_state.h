@@ -6,12 +6,27 @@
 #include <string>
 #include <vector>
 
+#include "core/material/curve_points.h"
 #include "core/math/camera.h"
 #include "core/math/rotation.h"
 
 namespace rimlight {
 
-/// What a session sets of one material; the rest stays as it was baked.
+/// A factor of a BRDF as a session drew it: points to draw a curve through, or its values in all
+/// bins. Exactly one of the two is not empty.
+struct CurveEdit {
+  CurveScale scale = CurveScale::linear;  // of the curve between the points
+  std::vector<CurvePoint> points;         // check_curve_points()
+  std::vector<Vec3f> values;              // kCurveBins of them; check_curve_values()
+
+  friend bool operator==(const CurveEdit&, const CurveEdit&) = default;
+};
+
+/// The curve's bins.
+BrdfCurve curve_of(CurveAxis axis, const CurveEdit& edit);
+
+/// What a session sets of one material; the rest stays as it was baked. A mode shows the fields
+/// that it knows.
 struct MaterialEdit {
   std::optional<Vec3f> albedo;     // linear RGB, 0 … 1
   std::optional<Vec3f> highlight;  // linear RGB, 0 … 1: the weight of the lobe
@@ -19,6 +34,17 @@ struct MaterialEdit {
   /// Takes the exponent's place: the lobe's values over the angle from the mirror direction, evenly
   /// spaced from 0° to 90°, linear in between, whatever their scale (check_lobe).
   std::optional<std::vector<double>> lobe = {};
+
+  // Of bakes of kind brdf_curve.
+  std::optional<Vec3f> specular = {};     // 0 … 1: multiplies the lobe
+  std::optional<double> roughness = {};   // 1e-4 … 1
+  std::optional<Vec3f> eta = {}, k = {};  // 0.05 … 100, 0 … 100
+  /// Along the tangent and across; one alone is the same in both.
+  std::optional<double> exponent_across = {}, roughness_across = {};
+  /// In the place of the model's own factor over θ_h or θ_d.
+  std::optional<CurveEdit> half_angle = {}, difference_angle = {};
+  /// A measured BRDF of the bake, by its name, in the place of the model.
+  std::optional<std::string> measured = {};
 
   friend bool operator==(const MaterialEdit&, const MaterialEdit&) = default;
 };
