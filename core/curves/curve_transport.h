@@ -87,6 +87,7 @@ class CurveTransport {
   double squared_norm(std::uint32_t material, CurveAxis axis, const CurveCoefficients& d) const;
 
  private:
+  void set_fixed(std::size_t panel, std::size_t row, const Vec3f& value);
   static std::size_t index(CurveAxis axis) { return axis == CurveAxis::half_angle ? 0 : 1; }
 
   struct Axis {
