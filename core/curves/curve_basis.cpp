@@ -1,5 +1,6 @@
 #include "core/curves/curve_basis.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -7,6 +8,11 @@
 
 namespace rimlight {
 namespace {
+
+/// Bins below, of less than 0.0015 rad, weigh as much as this one: no texel resolves them, and a
+/// single quarter of one that meets the first bin would make its row's coefficients so large that
+/// they drown all others of the panel.
+constexpr std::size_t kNarrowestBin = 8;
 
 /// ∝ the solid angle of half vectors in a bin of θ_h.
 double solid_angle(std::size_t bin) {
@@ -21,9 +27,9 @@ double solid_angle(std::size_t bin) {
 CurveBasis::CurveBasis(CurveAxis axis) : axis_(axis), wavelets_(kCurveBins) {
   for (std::size_t bin = 0; bin < kCurveBins; ++bin) {
     // All solid angles sum to 1.
-    weight_[bin] = axis == CurveAxis::half_angle
-                       ? std::sqrt(solid_angle(bin) * static_cast<double>(kCurveBins))
-                       : 1;
+    const double share = solid_angle(std::max(bin, kNarrowestBin));
+    weight_[bin] =
+        axis == CurveAxis::half_angle ? std::sqrt(share * static_cast<double>(kCurveBins)) : 1;
   }
 }
 

@@ -15,7 +15,7 @@ using CurveCoefficients = std::array<Vec3f, kCurveBins>;
 /// The coordinates of curves: DaubechiesInterval(256) over the bins, each weighted so that the
 /// basis is orthonormal as functions of the half vector (over the sphere) or of θ_d,
 ///     Σ_bin T′_bin c_bin = Σ_k T̂_k ĉ_k,   ĉ = W(g c),   T̂ = W(T′ / g),
-///     g² ∝ the bin's solid angle for θ_h, 1 for θ_d; of mean 1.
+///     g² ∝ the bin's solid angle for θ_h (bins below the eighth as that one), 1 for θ_d.
 /// The bins of θ_h hold from 2e-9 to 0.01 sr. Without the weights, T̂ of the widest bins would have
 /// to cancel to nine digits where a lobe is narrow. Immutable; any thread.
 class CurveBasis {

@@ -47,31 +47,6 @@ struct PanelBins {
   }
 };
 
-/// What a row has without T′; with `bins`, its T′ too.
-Vec3f sum_row(const CurveReceivers& receivers, const CurvePanel& panel, std::size_t row,
-              const CurveLight& light, const CurveMaterialState& state, const LobeTables& tables,
-              PanelBins* bins) {
-  thread_local SurfaceSight sight;
-  Vec3f radiance;
-  for (auto i = panel.first_surface[row]; i < panel.first_surface[row + 1]; ++i) {
-    const CurveSurface& surface = receivers.surfaces[i];
-    const PreparedSurface prepared = prepare(surface, state, tables);
-    sight.look_at_texels(receivers.visibility, i, surface.share, light);
-    for (std::size_t q = 0; q < kSurfacePoints; ++q) {
-      if (!prepared.faces_viewer[q]) continue;
-      const LitQuarter lit = sight.quarter(q, surface.points[q]);
-      LobeSums sums;
-      if (bins) {
-        add_bins(tables, prepared.points[q], lit, sums, bins->row);
-      } else {
-        add_shading(tables, prepared.points[q], lit, sums);
-      }
-      radiance += radiance_of(sums, prepared.diffuse[q]);
-    }
-  }
-  return radiance;
-}
-
 }  // namespace
 
 CurveTransport::CurveTransport(const CurveReceivers& receivers)
@@ -80,7 +55,10 @@ CurveTransport::CurveTransport(const CurveReceivers& receivers)
       fixed_(panels_.size() * kPanelFloats),
       fixed_version_(panels_.size()) {
   RIMLIGHT_CHECK_EQ(receivers.visibility.surface_count(), receivers.surfaces.size());
-  for (Axis& axis : axes_) axis.version = std::vector<std::atomic<std::uint64_t>>(panels_.size());
+  for (Axis& axis : axes_) {
+    axis.version = std::vector<std::atomic<std::uint64_t>>(panels_.size());
+    axis.gram.resize(material_count());
+  }
 }
 
 void CurveTransport::set_fixed(std::size_t panel, std::size_t row, const Vec3f& value) {
@@ -102,7 +80,8 @@ void CurveTransport::rebuild(std::size_t panel, const CurveLight& light,
   const LobeTables tables = make_tables(state, axis);
   PanelBins bins;
   for (std::size_t row = 0; row < panels_[panel].row_count; ++row) {
-    set_fixed(panel, row, sum_row(receivers_, panels_[panel], row, light, state, tables, &bins));
+    set_fixed(panel, row,
+              sum_row(receivers_, panels_[panel], row, light, state, tables, bins.row.data()));
     bins.keep_row(row);
   }
   made.basis.transform(bins.bins, bins.coefficients, kPanelFloats);
@@ -144,12 +123,6 @@ std::span<const float> CurveTransport::steps(std::size_t panel, CurveAxis axis) 
 
 std::span<const float> CurveTransport::fixed(std::size_t panel) const {
   return std::span(fixed_).subspan(panel * kPanelFloats, kPanelFloats);
-}
-
-Vec3f shade_exactly(const CurveReceivers& receivers, const CurvePanel& panel, std::size_t row,
-                    const CurveLight& light, const CurveMaterialState& state) {
-  const LobeTables tables = make_tables(state, CurveAxis::half_angle);
-  return sum_row(receivers, panel, row, light, state, tables, nullptr);
 }
 
 }  // namespace rimlight

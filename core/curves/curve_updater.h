@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/base/aligned_vector.h"
+#include "core/curves/curve_column_kernel.h"
 #include "core/curves/curve_transport.h"
 #include "core/relight/cost_model.h"
 #include "core/relight/frame_update.h"
@@ -32,7 +34,7 @@ struct CurveUpdateReport {
 /// Holds what rows show, and the curves that they show: B_row = fixed + T̂ · held, on one axis of
 /// each material (or none). Moves held towards target within a budget, column by column.
 ///
-/// The same calls give the same bits at any thread count and any budget in coefficients or bytes.
+/// The same calls give the same bits at any thread count, but for budgets in milliseconds.
 /// Each addition rounds a sum by at most 2⁻²⁴ of it, so that n of them leave an error of about
 /// √(n/3) · 2⁻²⁴; each panel is made afresh from what is held once in kMostAdditions columns, as in
 /// Relighter. Allocates nothing after it is made. One thread at a time; computes on all cores. The
@@ -72,21 +74,40 @@ class CurveUpdater {
   struct Shown {
     std::optional<CurveAxis> axis;
     CurveCoefficients held{}, target{};
-    std::vector<std::uint32_t> panels;
-    std::size_t column_bytes = 0;    // of all panels
+    std::size_t column_bytes = 0;      // of all panels
+    std::vector<CurveColumn> columns;  // of the batch, ascending
+    bool starts_from_zero = false;     // the batch does
+    // Against drift.
+    std::uint32_t panel_count = 0;
     std::size_t rebuild_credit = 0;  // panels · columns added since one was rebuilt
-    std::size_t next_rebuilt = 0;
+    std::uint32_t next_rebuilt = 0;  // of its panels, in turn
+    std::uint32_t rebuilt = 0;       // in this batch
   };
+  /// A column that a batch may add.
   struct Choice {
-    double gain = 0;
+    double gain = 0, size = 0;
     std::uint32_t material = 0, coefficient = 0;
+
+    bool goes_before(const Choice& other) const;
   };
+
+  void list_choices();
+  /// Fills the columns of all materials; their bytes.
+  std::size_t choose(const FrameBudget& budget);
+  void apply_choice(CurveUpdateReport& report);
+  bool apply_batch(const FrameBudget& budget, CurveUpdateReport& report);
+  void update_until(double deadline_ms, CurveUpdateReport& report);
+  void choose_rebuilt(Shown& shown);
+  bool is_rebuilt(const Shown& shown, std::uint32_t panel) const;
+  void apply_to(std::size_t panel, float* image) const;
+  void make_fresh(std::size_t panel, const CurveCoefficients& curve, float* image) const;
 
   const CurveTransport& transport_;
   CurvePolicy policy_;
-  std::vector<Shown> shown_;    // [material]
-  AlignedVector<float> image_;  // [panel][3][kPanelRows]
-  AlignedVector<float> fresh_;  // where the exact product grows
+  std::vector<Shown> shown_;                      // [material]
+  std::vector<std::uint32_t> place_in_material_;  // [panel]: which of its material's panels
+  AlignedVector<float> image_;                    // [panel][3][kPanelRows]
+  AlignedVector<float> fresh_;                    // where the exact product grows
   std::vector<Choice> choices_;
   CostModel cost_;
 };

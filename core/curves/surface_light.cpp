@@ -1,6 +1,7 @@
 #include "core/curves/surface_light.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "core/base/check.h"
@@ -157,6 +158,31 @@ LitQuarter SurfaceSight::quarter(std::size_t quarter, const SurfacePoint& point)
 
 Vec3f radiance_of(const LobeSums& sums, const DiffuseFactors& diffuse) {
   return sums.plain * diffuse.plain + sums.sloped * diffuse.sloped + sums.lobe;
+}
+
+Vec3f sum_row(const CurveReceivers& receivers, const CurvePanel& panel, std::size_t row,
+              const CurveLight& light, const CurveMaterialState& state, const LobeTables& tables,
+              float* bins) {
+  thread_local SurfaceSight sight;
+  Vec3f radiance;
+  for (auto i = panel.first_surface[row]; i < panel.first_surface[row + 1]; ++i) {
+    const CurveSurface& surface = receivers.surfaces[i];
+    const PreparedSurface prepared = prepare(surface, state, tables);
+    sight.look_at_texels(receivers.visibility, i, surface.share, light);
+    for (std::size_t q = 0; q < kSurfacePoints; ++q) {
+      if (!prepared.faces_viewer[q]) continue;
+      const LitQuarter lit = sight.quarter(q, surface.points[q]);
+      LobeSums sums;
+      if (bins) {
+        add_bins(tables, prepared.points[q], lit, sums,
+                 std::span<float, kBinFloats>(bins, kBinFloats));
+      } else {
+        add_shading(tables, prepared.points[q], lit, sums);
+      }
+      radiance += radiance_of(sums, prepared.diffuse[q]);
+    }
+  }
+  return radiance;
 }
 
 }  // namespace rimlight

@@ -8,6 +8,7 @@
 
 #include "core/base/aligned_vector.h"
 #include "core/curves/curve_light.h"
+#include "core/curves/curve_transport.h"
 #include "core/curves/lobe_tables.h"
 #include "core/curves/surface_kernel.h"
 #include "core/transport/curve_receivers.h"
@@ -52,5 +53,11 @@ class SurfaceSight {
 
 /// The radiance that a point adds: of its sums, without T′.
 Vec3f radiance_of(const LobeSums& sums, const DiffuseFactors& diffuse);
+
+/// What a row shows of all texels: with `bins` (kBinFloats) without the factor of the tables' axis,
+/// whose T′ is added to them.
+Vec3f sum_row(const CurveReceivers& receivers, const CurvePanel& panel, std::size_t row,
+              const CurveLight& light, const CurveMaterialState& state, const LobeTables& tables,
+              float* bins);
 
 }  // namespace rimlight

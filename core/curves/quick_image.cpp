@@ -1,0 +1,129 @@
+#include "core/curves/quick_image.h"
+
+#include <algorithm>
+#include <atomic>
+#include <vector>
+
+#include "core/base/check.h"
+#include "core/base/parallel.h"
+#include "core/curves/surface_light.h"
+#include "core/math/random.h"
+
+namespace rimlight {
+namespace {
+
+/// The state and its tables, for each material.
+class Shaders {
+ public:
+  explicit Shaders(std::span<const CurveMaterialState> states) : states_(states) {
+    for (const auto& state : states) tables_.push_back(make_tables(state, CurveAxis::half_angle));
+  }
+  const CurveMaterialState& state(const CurvePanel& panel) const { return states_[panel.material]; }
+  const LobeTables& tables(const CurvePanel& panel) const { return tables_[panel.material]; }
+
+ private:
+  std::span<const CurveMaterialState> states_;
+  std::vector<LobeTables> tables_;
+};
+
+Vec3f shade_surface(const CurveReceivers& receivers, std::size_t surface, const CurveLight& light,
+                    const CurveMaterialState& state, const LobeTables& tables) {
+  thread_local SurfaceSight means, strongest;
+  const CurveSurface& at = receivers.surfaces[surface];
+  const PreparedSurface prepared = prepare(at, state, tables);
+  means.look_at_means(receivers.visibility, surface, at.share, light);
+  strongest.look_at_strongest(receivers.visibility, surface, at.share, light);
+  Vec3f radiance;
+  for (std::size_t q = 0; q < kSurfacePoints; ++q) {
+    if (!prepared.faces_viewer[q]) continue;
+    LobeSums sums;
+    add_shading(tables, prepared.points[q], means.quarter(q, at.points[q]), sums);
+    add_shading(tables, prepared.points[q], strongest.quarter(q, at.points[q]), sums);
+    radiance += radiance_of(sums, prepared.diffuse[q]);
+  }
+  return radiance;
+}
+
+/// A row of a panel.
+struct RowPlace {
+  std::size_t panel = 0, row = 0;
+};
+
+std::vector<RowPlace> all_rows(const CurveTransport& rows) {
+  std::vector<RowPlace> places;
+  for (std::size_t panel = 0; panel < rows.panels().size(); ++panel) {
+    for (std::size_t row = 0; row < rows.panels()[panel].row_count; ++row) {
+      places.push_back({panel, row});
+    }
+  }
+  return places;
+}
+
+}  // namespace
+
+bool shade_quickly(const CurveTransport& rows, const CurveLight& light,
+                   std::span<const CurveMaterialState> states, const std::function<bool()>& abandon,
+                   std::span<float> image) {
+  RIMLIGHT_CHECK_EQ(states.size(), rows.material_count());
+  RIMLIGHT_CHECK_EQ(image.size(), rows.panels().size() * kPanelFloats);
+  const CurveReceivers& receivers = rows.receivers();
+  RIMLIGHT_CHECK_EQ(light.sky().cube_size(), receivers.visibility.cube_size);
+  const Shaders shaders(states);
+  std::atomic<bool> abandoned = false;
+  parallel_for(rows.panels().size(), [&](std::size_t p) {
+    if (abandoned.load(std::memory_order_relaxed)) return;
+    if (abandon && abandon()) {
+      abandoned.store(true, std::memory_order_relaxed);
+      return;
+    }
+    const CurvePanel& panel = rows.panels()[p];
+    float* const to = image.data() + p * kPanelFloats;
+    std::fill_n(to, kPanelFloats, 0.0f);
+    for (std::size_t row = 0; row < panel.row_count; ++row) {
+      Vec3f radiance;
+      for (auto i = panel.first_surface[row]; i < panel.first_surface[row + 1]; ++i) {
+        radiance += shade_surface(receivers, i, light, shaders.state(panel), shaders.tables(panel));
+      }
+      for (std::size_t c = 0; c < 3; ++c) to[c * kPanelRows + row] = radiance[static_cast<int>(c)];
+    }
+  });
+  return !abandoned;
+}
+
+Vec3f shade_exactly(const CurveReceivers& receivers, const CurvePanel& panel, std::size_t row,
+                    const CurveLight& light, const CurveMaterialState& state) {
+  const LobeTables tables = make_tables(state, CurveAxis::half_angle);
+  return sum_row(receivers, panel, row, light, state, tables, nullptr);
+}
+
+double sampled_squared_error(const CurveTransport& rows, const CurveLight& light,
+                             std::span<const CurveMaterialState> states,
+                             std::span<const float> image, std::size_t sample, std::uint64_t seed) {
+  RIMLIGHT_CHECK_EQ(states.size(), rows.material_count());
+  RIMLIGHT_CHECK_EQ(image.size(), rows.panels().size() * kPanelFloats);
+  const std::vector<RowPlace> places = all_rows(rows);
+  if (places.empty() || sample == 0) return 0;
+  const Shaders shaders(states);
+  const std::size_t count = std::min(sample, places.size());
+  std::vector<double> errors(count);
+  parallel_for(count, [&](std::size_t i) {
+    // One of each stratum of rows, which lie by tile and material.
+    Random random(seed, i);
+    const std::size_t begin = places.size() * i / count, end = places.size() * (i + 1) / count;
+    const RowPlace& place = places[begin + random.below(end - begin)];
+    const CurvePanel& panel = rows.panels()[place.panel];
+    const Vec3f exact = sum_row(rows.receivers(), panel, place.row, light, shaders.state(panel),
+                                shaders.tables(panel), nullptr);
+    for (int c = 0; c < 3; ++c) {
+      const std::size_t at =
+          place.panel * kPanelFloats + static_cast<std::size_t>(c) * kPanelRows + place.row;
+      const double difference = double{image[at]} - exact[c];
+      errors[i] += difference * difference * static_cast<double>(end - begin);
+    }
+  });
+  double sum = 0;
+  for (const double error : errors) sum += error;
+  return sum;
+}
+
+}  // namespace rimlight
