@@ -83,7 +83,7 @@ class CurveTransport {
   /// Σ_rows (T̂_k)² of a column, per channel, by the last find_norms(); zero before.
   Vec3d column_norm_squared(std::uint32_t material, CurveAxis axis, std::size_t coefficient) const;
   /// ‖T̂ d‖² over rows and channels, by the last find_norms(): an absolute squared error of the
-  /// image. No estimate, but for rounding: 1e-6 of the largest term.
+  /// image. No estimate, but for rounding: 1e-7 (Σ_k ‖T̂_k d_k‖)².
   double squared_norm(std::uint32_t material, CurveAxis axis, const CurveCoefficients& d) const;
 
  private:

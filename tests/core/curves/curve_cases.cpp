@@ -228,4 +228,25 @@ Vec3d stored_row(const CurveTransport& transport, std::size_t panel, std::size_t
   return sum;
 }
 
+CurveMaterialState baked_state(const CurveMaterial& material) {
+  return resolve(material, {}, {}, material.name);
+}
+
+PanelCase::PanelCase(const CurveMaterial& material, const CubeLight& light_, std::uint64_t seed)
+    : scene(random_scene({material}, kRows, kSize, seed)),
+      light(light_),
+      curve_light(sky, light, 0),
+      transport(scene.receivers()) {}
+
+void PanelCase::rebuild(const CurveMaterialState& state, std::optional<CurveAxis> axis,
+                        std::uint64_t version) {
+  for (std::size_t panel = 0; panel < transport.panels().size(); ++panel) {
+    if (axis) {
+      transport.rebuild(panel, curve_light, state, *axis, version);
+    } else {
+      transport.rebuild_fixed(panel, curve_light, state, version);
+    }
+  }
+}
+
 }  // namespace rimlight

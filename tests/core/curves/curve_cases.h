@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
-#include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,5 +49,55 @@ Vec3d reference_row(const CurveReceivers& receivers, const CurvePanel& panel, st
 /// T̂ · ĉ + fixed of a row, from what is stored.
 Vec3d stored_row(const CurveTransport& transport, std::size_t panel, std::size_t row,
                  CurveAxis axis, const CurveCoefficients& curve);
+
+/// The state of a material that was not edited.
+CurveMaterialState baked_state(const CurveMaterial& material);
+
+/// Two panels of one material under one light, 8 × 8 texels a face.
+struct PanelCase {
+  static constexpr int kSize = 8;
+  static constexpr std::size_t kRows = 70;
+
+  CurveScene scene;
+  CurveSky sky{kSize};
+  CubeLight light;
+  CurveLight curve_light;
+  CurveTransport transport;
+
+  explicit PanelCase(const CurveMaterial& material,
+                     const CubeLight& light_ = random_light(kSize, 7), std::uint64_t seed = 3);
+
+  /// T′ of an axis, or `fixed` alone.
+  void rebuild(const CurveMaterialState& state, std::optional<CurveAxis> axis,
+               std::uint64_t version = 1);
+  /// Calls visit(panel, row) for all rows.
+  template <typename Visit>
+  void for_each_row(const Visit& visit) const {
+    for (std::size_t panel = 0; panel < transport.panels().size(); ++panel) {
+      for (std::size_t row = 0; row < transport.panels()[panel].row_count; ++row) {
+        visit(panel, row);
+      }
+    }
+  }
+};
+
+/// ‖found − expected‖ / ‖expected‖ over many rows.
+class RelativeError {
+ public:
+  void add(const Vec3d& found, const Vec3d& expected) {
+    error_ += dot(found - expected, found - expected);
+    size_ += dot(expected, expected);
+  }
+  double value() const { return std::sqrt(error_ / size_); }
+  double size() const { return std::sqrt(size_); }
+
+ private:
+  double error_ = 0, size_ = 0;
+};
+
+/// Of [3][kPanelRows].
+inline Vec3d row_of(std::span<const float> panel, std::size_t row) {
+  return {panel[row], panel[kPanelRows + row], panel[2 * kPanelRows + row]};
+}
 
 }  // namespace rimlight

@@ -1,0 +1,137 @@
+#include "core/curves/quick_image.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/core/curves/curve_cases.h"
+
+namespace rimlight {
+namespace {
+
+constexpr int kSize = 16;
+
+/// All models at once.
+struct QuickCase {
+  CurveScene scene;
+  CurveSky sky{kSize};
+  CubeLight light = random_light(kSize, 9);
+  CurveTransport transport;
+  std::vector<CurveMaterialState> states;
+  std::vector<float> image;
+
+  QuickCase() : scene(random_scene(materials(), 40, kSize, 8)), transport(scene.receivers()) {
+    for (const CurveMaterial& material : scene.materials) states.push_back(baked_state(material));
+    image.resize(transport.panels().size() * kPanelFloats);
+  }
+  static std::vector<CurveMaterial> materials() {
+    std::vector<CurveMaterial> result;
+    for (const CurveCase& item : curve_cases()) {
+      const Brdf& brdf = item.material.brdf;
+      // Narrow lobes ask more of means than they can give.
+      if (brdf.roughness < 0.1f || brdf.exponent > 100) continue;
+      result.push_back(item.material);
+    }
+    return result;
+  }
+  void shade(std::size_t strongest) {
+    const CurveLight found(sky, light, strongest);
+    ASSERT_TRUE(shade_quickly(transport, found, states, {}, image));
+  }
+  Vec3d row(std::size_t panel, std::size_t row) const {
+    return row_of(std::span(image).subspan(panel * kPanelFloats, kPanelFloats), row);
+  }
+  template <typename Visit>
+  void for_each_row(const Visit& visit) const {
+    for (std::size_t p = 0; p < transport.panels().size(); ++p) {
+      for (std::size_t row = 0; row < transport.panels()[p].row_count; ++row) visit(p, row);
+    }
+  }
+  double squared_error(const CurveLight& found) const {
+    double sum = 0;
+    for_each_row([&](std::size_t p, std::size_t at) {
+      const CurvePanel& panel = transport.panels()[p];
+      const Vec3d difference = row(p, at) - Vec3d(shade_exactly(transport.receivers(), panel, at,
+                                                                found, states[panel.material]));
+      sum += dot(difference, difference);
+    });
+    return sum;
+  }
+};
+
+TEST(QuickImage, IsExactWhenAllTexelsAreAmongTheStrongest) {
+  QuickCase test;
+  test.shade(test.light.count());
+  std::size_t rows = 0;
+  RelativeError error;
+  test.for_each_row([&](std::size_t p, std::size_t row) {
+    const CurvePanel& panel = test.transport.panels()[p];
+    error.add(test.row(p, row), reference_row(test.transport.receivers(), panel, row, test.light,
+                                              test.states[panel.material]));
+    ++rows;
+  });
+  EXPECT_EQ(rows, test.states.size() * 40);
+  EXPECT_LT(error.value(), 1e-4);
+}
+
+TEST(QuickImage, ShadesARowExactlyAsTheSumOverTheSky) {
+  QuickCase test;
+  const CurveLight light(test.sky, test.light, 0);
+  RelativeError error;
+  test.for_each_row([&](std::size_t p, std::size_t row) {
+    const CurvePanel& panel = test.transport.panels()[p];
+    const CurveMaterialState& state = test.states[panel.material];
+    error.add(Vec3d(shade_exactly(test.transport.receivers(), panel, row, light, state)),
+              reference_row(test.transport.receivers(), panel, row, test.light, state));
+  });
+  EXPECT_LT(error.value(), 1e-4);
+}
+
+TEST(QuickImage, ComesNearWithFewStrongTexels) {
+  QuickCase test;
+  const CurveLight none(test.sky, test.light, 0), few(test.sky, test.light, 32);
+  test.shade(0);
+  const double without = test.squared_error(none);
+  test.shade(32);
+  const double with = test.squared_error(few);
+  EXPECT_LT(with, 0.3 * without);
+  double size = 0;
+  for (const float value : test.image) size += double{value} * value;
+  EXPECT_LT(with, 0.04 * size);
+}
+
+TEST(QuickImage, ASampleOfRowsTellsItsError) {
+  QuickCase test;
+  test.shade(16);
+  const CurveLight light(test.sky, test.light, 16);
+  const double expected = test.squared_error(light);
+  const double all =
+      sampled_squared_error(test.transport, light, test.states, test.image, 1'000'000, 1);
+  EXPECT_NEAR(all, expected, 1e-6 * expected);
+  double sum = 0;
+  constexpr int kSeeds = 60;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    sum += sampled_squared_error(test.transport, light, test.states, test.image, 50, seed);
+  }
+  EXPECT_NEAR(sum / kSeeds, expected, 0.25 * expected);
+  EXPECT_EQ(sampled_squared_error(test.transport, light, test.states, test.image, 0, 1), 0);
+}
+
+TEST(QuickImage, IsBlackUnderABlackLight) {
+  QuickCase test;
+  const CurveLight light(test.sky, CubeLight(kSize), 5);
+  std::ranges::fill(test.image, 7.0f);
+  ASSERT_TRUE(shade_quickly(test.transport, light, test.states, {}, test.image));
+  EXPECT_TRUE(std::ranges::all_of(test.image, [](float value) { return value == 0; }));
+}
+
+TEST(QuickImage, IsAbandoned) {
+  QuickCase test;
+  const CurveLight light(test.sky, test.light, 5);
+  EXPECT_FALSE(shade_quickly(
+      test.transport, light, test.states, [] { return true; }, test.image));
+}
+
+}  // namespace
+}  // namespace rimlight
