@@ -26,6 +26,7 @@ struct BakeOptions {
   int cube_size = 0;
   double psnr_db = 0;
   std::string kind;
+  std::vector<std::string> editable;
   std::optional<int> degree;
   std::optional<double> error;
   std::string transfer;
@@ -38,7 +39,8 @@ struct BakeOptions {
 };
 
 const std::map<std::string, BakeKind> kKinds = {{"image_haar", BakeKind::image_haar},
-                                                {"vertex_sh", BakeKind::vertex_sh}};
+                                                {"vertex_sh", BakeKind::vertex_sh},
+                                                {"brdf_curve", BakeKind::brdf_curve}};
 const std::map<std::string, VertexTransfer> kTransfers = {
     {"unshadowed", VertexTransfer::unshadowed},
     {"shadowed", VertexTransfer::shadowed},
@@ -57,6 +59,7 @@ void override_settings(const BakeOptions& options, BakeSettings& bake) {
   if (options.height > 0) bake.height = options.height;
   if (options.cube_size > 0) bake.cube_size = options.cube_size;
   if (options.psnr_db > 0) bake.psnr_db = options.psnr_db;
+  if (!options.editable.empty()) bake.editable = options.editable;
   bake.reference_receivers = options.reference_receivers;
   if (options.degree) bake.vertex.degree = *options.degree;
   if (options.error) bake.vertex.error = *options.error;
@@ -76,11 +79,14 @@ void check_options(const BakeOptions& options, BakeKind kind) {
     throw Error("options", "--cube-size, --psnr or --reference for kind vertex_sh",
                 "those of vertices, or --kind image_haar");
   }
-  if (kind == BakeKind::image_haar && of_vertices) {
+  if (kind != BakeKind::brdf_curve && !options.editable.empty()) {
+    throw Error("options", "--editable for another kind", "--kind brdf_curve");
+  }
+  if (kind != BakeKind::vertex_sh && of_vertices) {
     throw Error(
         "options",
         "--degree, --error, --transfer, --most-rays, --keep-bands or --longest-edge for kind "
-        "image_haar",
+        "image_haar or brdf_curve",
         "those of images, or --kind vertex_sh");
   }
 }
@@ -165,18 +171,27 @@ int run(const BakeOptions& options) {
     print_result(with_bar([&](const auto& show) { return bake_vertices(scene, folder, show); }),
                  folder.string(), options.json);
   } else {
-    print_result(with_bar([&](const auto& show) { return bake_image(scene, folder, show); }),
-                 *scene, folder.string(), options.json);
+    const auto bake = scene->bake.kind == BakeKind::brdf_curve ? bake_curves : bake_image;
+    print_result(with_bar([&](const auto& show) { return bake(scene, folder, show); }), *scene,
+                 folder.string(), options.json);
   }
   return 0;
 }
 
-void add_vertex_options(CLI::App& command, BakeOptions& options) {
+void add_kind_options(CLI::App& command, BakeOptions& options) {
   command
-      .add_option("--kind", options.kind,
-                  "image_haar (pixels of one view) or vertex_sh (vertices in spherical harmonics, "
-                  "for any view), instead of the scene's")
-      ->check(CLI::IsMember({"image_haar", "vertex_sh"}));
+      .add_option(
+          "--kind", options.kind,
+          "image_haar (pixels of one view), brdf_curve (the same, with materials whose BRDF "
+          "curves are edited) or vertex_sh (vertices in spherical harmonics, for any view), "
+          "instead of the scene's")
+      ->check(CLI::IsMember({"image_haar", "brdf_curve", "vertex_sh"}));
+  command.add_option("--editable", options.editable,
+                     "brdf_curve: materials to edit, instead of the scene's (default: all with a "
+                     "gloss)");
+}
+
+void add_vertex_options(CLI::App& command, BakeOptions& options) {
   command
       .add_option("--degree", options.degree,
                   "vertex_sh: of the spherical harmonics, instead of the scene's")
@@ -230,6 +245,7 @@ void add_bake_command(CLI::App& app, Action& chosen) {
                  "Keep the uncompressed rows of a sample of receivers (8,192, or --reference=N), "
                  "for `rimlight report`: 19 MB for each 64 of them at cube size 64")
       ->check(CLI::Range(1, 1 << 26));
+  add_kind_options(*command, *options);
   add_vertex_options(*command, *options);
   command->add_option("--threads", options->threads, "Threads to use (default: all cores)")
       ->check(CLI::Range(1, 1024));

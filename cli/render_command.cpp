@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/parallel.h"
+#include "core/curves/curve_layer.h"
 #include "core/image/codec.h"
 #include "core/image/image_file.h"
 #include "core/relight/frame_renderer.h"
@@ -105,7 +106,8 @@ void render_image_bake(const RenderOptions& options, DesignState& state, FrameRe
     throw Error(options.view.empty() ? "--window" : "--view",
                 "a bake of kind image_haar, the image of one camera", "a bake of kind vertex_sh");
   }
-  FrameRenderer renderer(std::make_shared<const Bake>(options.folder), {});
+  const auto bake = std::make_shared<const Bake>(options.folder);
+  FrameRenderer renderer(bake, {}, curve_layer_of(bake));
   state = state_of(options, choose_light(options, renderer.bake().environments(), renderer));
   report = render(options, state, renderer);
 }

@@ -1,6 +1,7 @@
 #include "core/bake/direct_transport.h"
 
 #include <memory>
+#include <utility>
 
 #include "core/bake/group_surfaces.h"
 #include "core/bake/lambert_kernel.h"
@@ -51,14 +52,14 @@ void add_to_row(const TexelQuadrature& texels, const Workspace& work, std::size_
 
 }  // namespace
 
-DirectTransport::DirectTransport(const RayScene& scene, int cube_size)
-    : scene_(scene), texels_(cube_size) {}
+DirectTransport::DirectTransport(const RayScene& scene, int cube_size, MaterialSet materials)
+    : scene_(scene), texels_(cube_size), materials_(std::move(materials)) {}
 
 void DirectTransport::add(const GroupSamples& samples, std::uint64_t seed, GroupRows& rows) const {
   RIMLIGHT_CHECK_EQ(rows.cube_size, texels_.cube_size());
   thread_local const auto workspace = std::make_unique<Workspace>();
   Workspace& work = *workspace;
-  work.surfaces.assign(samples);
+  work.surfaces.assign(samples, materials_);
   find_responding(texels_, work);
   work.visibility.trace(scene_, work.surfaces, texels_, mix_bits(seed));
   for (std::size_t texel = 0; texel < texels_.count(); ++texel) {

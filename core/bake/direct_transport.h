@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/bake/group.h"
+#include "core/bake/group_surfaces.h"
 #include "core/bake/texel_quadrature.h"
 #include "core/scene/ray_scene.h"
 
@@ -20,8 +21,8 @@ namespace rimlight {
 /// has no say in that, so that the mean stays unbiased.)
 class DirectTransport {
  public:
-  /// Keeps the scene; `cube_size` is N.
-  DirectTransport(const RayScene& scene, int cube_size);
+  /// Keeps the scene; `cube_size` is N. Of surfaces of `materials` alone.
+  DirectTransport(const RayScene& scene, int cube_size, MaterialSet materials = {});
 
   /// Adds the direct transport of a group to its rows. Any thread; the result depends on samples
   /// and seed alone.
@@ -30,6 +31,7 @@ class DirectTransport {
  private:
   const RayScene& scene_;
   TexelQuadrature texels_;
+  MaterialSet materials_;
 };
 
 }  // namespace rimlight

@@ -17,12 +17,13 @@ IndirectSettings indirect_settings(const BakeSettings& settings) {
 
 }  // namespace
 
-GroupBaker::GroupBaker(const RayScene& scene, const BakeSettings& settings)
+GroupBaker::GroupBaker(const RayScene& scene, const BakeSettings& settings,
+                       const MaterialSet& direct)
     : scene_(scene),
       settings_(settings),
       layout_{settings.width, settings.height},
       haar_(settings.cube_size),
-      direct_(scene, haar_.size()),
+      direct_(scene, haar_.size(), direct),
       indirect_(scene, indirect_settings(settings)) {}
 
 bool GroupBaker::has_receivers(std::size_t first_receiver) const {

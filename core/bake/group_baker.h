@@ -10,9 +10,10 @@ namespace rimlight {
 /// Bakes groups of 8×8 pixels of a scene: primary rays, direct and indirect transport, projection.
 class GroupBaker final : public GroupSource {
  public:
-  /// Keeps the scene, and bakes it as its own settings say, or as others do.
+  /// Keeps the scene, and bakes it as its own settings say, or as others do. Light that comes
+  /// straight from the environment is that of surfaces of `direct` alone.
   explicit GroupBaker(const RayScene& scene) : GroupBaker(scene, scene.scene().bake) {}
-  GroupBaker(const RayScene& scene, const BakeSettings& settings);
+  GroupBaker(const RayScene& scene, const BakeSettings& settings, const MaterialSet& direct = {});
 
   const PixelLayout& layout() const override { return layout_; }
   int cube_size() const override { return haar_.size(); }

@@ -13,11 +13,6 @@ void set_lane(LaneVectors& vectors, std::size_t lane, const Vec3f& value) {
   for (int c = 0; c < 3; ++c) vectors[static_cast<std::size_t>(c)][lane] = value[c];
 }
 
-/// Which hit stands for all at a quarter.
-std::size_t responder(const PixelSurface& surface, std::size_t quarter) {
-  return (2 * quarter + 1) * surface.hits.size() / (2 * kQuarters);
-}
-
 /// Without a common divisor, so that the walk visits all.
 std::int32_t walk_step(std::int32_t hit_count) {
   std::int32_t step = 7;
@@ -25,21 +20,25 @@ std::int32_t walk_step(std::int32_t hit_count) {
   return step % hit_count;
 }
 
+}  // namespace
+
+std::size_t standing_hit(const PixelSurface& surface, std::size_t quarter) {
+  return (2 * quarter + 1) * surface.hits.size() / (2 * kQuarters);
+}
+
 LobeSurface lobe_surface(const PixelSurface& surface) {
   const auto frame = [&](std::size_t quarter) {
-    return surface.hits[responder(surface, quarter)]->frame();
+    return surface.hits[standing_hit(surface, quarter)]->frame();
   };
   static_assert(kQuarters == 4);
   LobeSurface result{surface.brdf, surface.share, {frame(0), frame(1), frame(2), frame(3)}, {}, {}};
   for (std::size_t q = 0; q < kQuarters; ++q) {
-    const std::size_t hit = responder(surface, q);
+    const std::size_t hit = standing_hit(surface, q);
     result.geometric_normal[q] = surface.hits[hit]->geometric_normal;
     result.outgoing[q] = result.frame[q].to_local(surface.outgoing[hit]);
   }
   return result;
 }
-
-}  // namespace
 
 void HitTable::reserve(std::size_t count) {
   RIMLIGHT_CHECK_EQ(count_, 0u);
@@ -61,15 +60,16 @@ void HitTable::add(const SurfaceHit& hit) {
   ++count_;
 }
 
-void GroupSurfaces::assign(const GroupSamples& samples) {
+void GroupSurfaces::assign(const GroupSamples& samples, const MaterialSet& materials) {
   layer_count_ = 0;
   lobes_.clear();
   hits_.clear();
   hits_.reserve(samples.hits.size());
   for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
     find_surfaces(samples, lane, found_);
-    for (std::size_t layer = 0; layer < found_.size(); ++layer) {
-      add(found_[layer], lane, layer);
+    std::size_t layer = 0;
+    for (const PixelSurface& surface : found_) {
+      if (materials.has(surface.material)) add(surface, lane, layer++);
     }
   }
 }
@@ -90,7 +90,7 @@ void GroupSurfaces::add(const PixelSurface& surface, std::size_t lane, std::size
   SurfaceLayer& to = layers_[layer];
   to.lanes |= lane_bit(lane);
   for (std::size_t q = 0; q < kQuarters; ++q) {
-    const SurfaceHit& hit = *surface.hits[responder(surface, q)];
+    const SurfaceHit& hit = *surface.hits[standing_hit(surface, q)];
     set_lane(to.shading_normal[q], lane, hit.shading_normal);
     set_lane(to.geometric_normal[q], lane, hit.geometric_normal);
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/bake/group.h"
@@ -51,6 +52,11 @@ struct LobeSurface {
   std::array<Vec3f, kQuarters> outgoing;  // local to the frame
 };
 
+/// The hit of a surface that stands for it in a quarter of each texel.
+std::size_t standing_hit(const PixelSurface& surface, std::size_t quarter);
+
+LobeSurface lobe_surface(const PixelSurface& surface);
+
 /// What rays to the sky need of the hits of all surfaces: one array a component.
 class HitTable {
  public:
@@ -73,12 +79,30 @@ class HitTable {
   std::size_t count_ = 0;
 };
 
+/// Some of a scene's materials: [material], or all when it is empty.
+class MaterialSet {
+ public:
+  MaterialSet() = default;
+  explicit MaterialSet(std::vector<bool> materials) : materials_(std::move(materials)) {}
+
+  bool has(std::uint32_t material) const { return materials_.empty() || materials_[material]; }
+  /// The others. Of all: all.
+  MaterialSet others() const {
+    MaterialSet result = *this;
+    result.materials_.flip();
+    return result;
+  }
+
+ private:
+  std::vector<bool> materials_;
+};
+
 /// The surfaces of a group's pixels as vector code reads them. Reused from group to group, so that
 /// it stops allocating. One thread at a time.
 class GroupSurfaces {
  public:
-  /// Finds all surfaces of `samples`.
-  void assign(const GroupSamples& samples);
+  /// Finds the surfaces of `samples`: all, or those of some materials.
+  void assign(const GroupSamples& samples, const MaterialSet& materials = {});
 
   std::size_t layer_count() const { return layer_count_; }
   const SurfaceLayer& layer(std::size_t i) const { return layers_[i]; }

@@ -15,4 +15,11 @@ BakeSummary bake_image(const std::shared_ptr<const Scene>& scene,
                        const std::filesystem::path& folder,
                        const std::function<void(const BakeProgress&)>& progress);
 
+/// The same without the direct light of editable materials (find_editable_materials); kept instead
+/// is what follows their curves: a bake of kind brdf_curve. Throws Error when there is none of them
+/// in the picture.
+BakeSummary bake_curves(const std::shared_ptr<const Scene>& scene,
+                        const std::filesystem::path& folder,
+                        const std::function<void(const BakeProgress&)>& progress);
+
 }  // namespace rimlight

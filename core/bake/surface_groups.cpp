@@ -8,14 +8,11 @@
 namespace rimlight {
 namespace {
 
-bool same_material(const Brdf& a, const Brdf& b) {
-  constexpr float kAlbedoTolerance = 0.1f;
-  const Vec3f difference = a.albedo - b.albedo;
-  return a.model == b.model && a.specular == b.specular && a.exponent == b.exponent &&
-         a.roughness == b.roughness && a.eta == b.eta && a.k == b.k &&
-         a.exponent_across == b.exponent_across && a.roughness_across == b.roughness_across &&
-         std::abs(difference.x) <= kAlbedoTolerance && std::abs(difference.y) <= kAlbedoTolerance &&
-         std::abs(difference.z) <= kAlbedoTolerance;
+bool same_material(const PixelSurface& surface, const SurfaceHit& hit) {
+  constexpr float kAlbedoTolerance = 0.1f;  // textures
+  const Vec3f difference = surface.brdf.albedo - hit.brdf.albedo;
+  return surface.material == hit.material && std::abs(difference.x) <= kAlbedoTolerance &&
+         std::abs(difference.y) <= kAlbedoTolerance && std::abs(difference.z) <= kAlbedoTolerance;
 }
 
 /// How unlike a hit is to a surface: 0 … 2 by normals, 4 more for another material.
@@ -23,7 +20,7 @@ float unlikeness(const PixelSurface& surface, const SurfaceHit& hit) {
   // Opposite normals may cancel: then nothing is alike.
   const float alike =
       dot(surface.normal_sum, hit.shading_normal) / std::max(length(surface.normal_sum), 1e-6f);
-  return (same_material(surface.brdf, hit.brdf) ? 0.0f : 4.0f) + 1 - alike;
+  return (same_material(surface, hit) ? 0.0f : 4.0f) + 1 - alike;
 }
 
 }  // namespace
@@ -55,6 +52,7 @@ void find_surfaces(const GroupSamples& samples, std::size_t lane, PixelSurfaces&
     }
     if (nearest == nullptr || (least > kLikeEnough && surfaces.size() < kMostSurfaces)) {
       nearest = &surfaces.add();
+      nearest->material = hit->material;
       nearest->brdf = hit->brdf;
       nearest->brdf.albedo = {};
     }

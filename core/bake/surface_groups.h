@@ -11,7 +11,8 @@ namespace rimlight {
 /// Primary hits of one pixel that look alike: one material (albedo averaged), normals within about
 /// 18°.
 struct PixelSurface {
-  Brdf brdf;  // with the mean albedo of its hits
+  std::uint32_t material = 0;  // of the scene
+  Brdf brdf;                   // with the mean albedo of its hits
   std::vector<const SurfaceHit*> hits;
   std::vector<Vec3f> outgoing;  // beside each hit
   float share = 0;              // of the pixel's primary rays

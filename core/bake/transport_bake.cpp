@@ -186,6 +186,9 @@ class TransportBake {
     }
     LightImages images = compressed_images(store, lights, storage.least_energy);
     for (std::size_t i = 0; i < request_.environments.size(); ++i) {
+      if (request_.curves != nullptr) {
+        add_covered(store, request_.curves->images[i], images[check_lights_.size() + i]);
+      }
       writer_.add_environment({std::make_shared<const Environment>(request_.environments[i]),
                                auto_exposure_scale(images[check_lights_.size() + i])});
     }
@@ -199,8 +202,21 @@ class TransportBake {
       write_reference(writer_, {source_, request_.retraced, request_.finer},
                       request_.reference_receivers);
     }
+    if (request_.curves != nullptr) writer_.add_curves(request_.curves->receivers);
     writer_.commit(describe(psnr, storage));
     report("writing", 1);
+  }
+
+  /// Adds an image of all receivers to one of those that geometry covers.
+  static void add_covered(const TileStore& store, const std::vector<Vec3f>& all,
+                          std::vector<Vec3f>& covered) {
+    std::size_t next = 0;
+    for (std::size_t tile = 0; tile < store.shape().tiles; ++tile) {
+      const TileCheck check = store.check(tile);
+      for (std::size_t i = 0; i < kTileReceivers; ++i) {
+        if (check.coverage[i] > 0) covered[next++] += all[tile * kTileReceivers + i];
+      }
+    }
   }
 
   BakeManifest describe(const std::vector<double>& psnr, const StorageStep& storage) {
@@ -221,6 +237,10 @@ class TransportBake {
                          {"blocks_below", storage.step * std::sqrt(storage.least_energy)},
                          {"worst_psnr_db", summary_.worst_psnr_db},
                          {"worst_light", summary_.worst_light}};
+    if (request_.curves != nullptr) {
+      manifest.materials = request_.curves->materials;
+      manifest.measured_brdfs = request_.curves->measured;
+    }
     return manifest;
   }
 

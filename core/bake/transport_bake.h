@@ -11,6 +11,7 @@
 #include "core/bake/group_source.h"
 #include "core/light/environment.h"
 #include "core/math/camera.h"
+#include "core/transport/curve_receivers.h"
 
 namespace rimlight {
 
@@ -27,6 +28,14 @@ struct BakeSummary {
   std::size_t bytes = 0;     // of stored transport
   double worst_psnr_db = 0;  // of the compressed transport, over the check lights
   std::string worst_light;
+};
+
+/// Of a bake of kind brdf_curve: what its transport lacks.
+struct CurvePart {
+  std::vector<CurveMaterial> materials, measured;
+  CurveReceivers receivers;  // their views
+  /// Of each environment: radiance to add to the pixels for its exposure, [environment][receiver].
+  std::vector<std::vector<Vec3f>> images;
 };
 
 /// What a bake keeps beside its transport.
@@ -46,6 +55,7 @@ struct BakeRequest {
   /// average away.
   const GroupSource* retraced = nullptr;
   const GroupSource* finer = nullptr;
+  const CurvePart* curves = nullptr;  // or the transport holds all light
 };
 
 /// Bakes a source's transport to `folder` (NAME.bake). Uses all cores; memory is bounded by a group

@@ -41,13 +41,17 @@ double square_of(std::span<const float, kTileFloats> radiance) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-Display::FillTile tiles_of(const Relighter& relighter) {
-  return [&relighter](std::size_t tile, TileImage& image) {
-    alignas(64) std::array<float, kTileFloats> radiance;
-    relighter.find_radiance(tile, radiance);
-    rows_from_blocks(radiance, image);
-    return square_of(radiance);
-  };
+/// The same of a tile's pixels.
+double square_of(const TileImage& image) {
+  double sum = 0;
+  for (const auto& channel : image.channel) {
+    std::array<float, TileImage::kSide> sums{};
+    for (std::size_t at = 0; at < channel.size(); at += sums.size()) {
+      for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += channel[at + i] * channel[at + i];
+    }
+    sum += std::accumulate(sums.begin(), sums.end(), 0.0);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -56,6 +60,16 @@ Display::Display(const PixelLayout& layout, const Camera& camera, std::span<cons
     : layout_(layout),
       background_pixels_(layout, camera, coverage),
       tile_square_(layout.tile_count()) {}
+
+Display::FillTile Display::tiles_of(const Relighter& relighter, const ImageLayer* layer) {
+  return [&relighter, layer](std::size_t tile, TileImage& image) {
+    alignas(64) std::array<float, kTileFloats> radiance;
+    relighter.find_radiance(tile, radiance);
+    rows_from_blocks(radiance, image);
+    const bool has_more = layer != nullptr && layer->add(tile, image);
+    return has_more ? square_of(image) : square_of(radiance);
+  };
+}
 
 void Display::set_view(const Camera& camera, std::span<const float> coverage) {
   background_pixels_ = BackgroundPixels(layout_, camera, coverage);
@@ -101,11 +115,6 @@ double Display::show(const FillTile& fill, const Background& background, float s
   return std::sqrt(std::accumulate(tile_square_.begin(), tile_square_.end(), 0.0));
 }
 
-double Display::show(const Relighter& relighter, const Background& background, float scale,
-                     Rgb8Image& frame) {
-  return show(tiles_of(relighter), background, scale, frame);
-}
-
 void Display::show(const FillTile& fill, const Background& background, RgbImage& image) {
   image = RgbImage(layout_.width, layout_.height);
   for_each_tile(fill, background, [&](const Place& place, const TileImage& tile) {
@@ -118,10 +127,6 @@ void Display::show(const FillTile& fill, const Background& background, RgbImage&
       }
     }
   });
-}
-
-void Display::show(const Relighter& relighter, const Background& background, RgbImage& image) {
-  show(tiles_of(relighter), background, image);
 }
 
 }  // namespace rimlight

@@ -7,6 +7,7 @@
 #include "core/image/image.h"
 #include "core/math/camera.h"
 #include "core/relight/background.h"
+#include "core/relight/image_layer.h"
 #include "core/relight/relighter.h"
 #include "core/relight/tile_image.h"
 #include "core/transport/receivers.h"
@@ -27,6 +28,9 @@ class Display {
   /// Called from several threads at once, once for each tile.
   using FillTile = std::function<double(std::size_t tile, TileImage& image)>;
 
+  /// What a relighter holds, and a layer on it where there is one.
+  static FillTile tiles_of(const Relighter& relighter, const ImageLayer* layer);
+
   /// The environment as it stands behind the pixels.
   struct Background {
     const BackgroundMap& map;
@@ -36,11 +40,8 @@ class Display {
   /// Pixels in sRGB; `scale` multiplies radiance. The frame is resized. Returns ‖B‖, √ of the sum
   /// over receivers and channels of its squares.
   double show(const FillTile& fill, const Background& background, float scale, Rgb8Image& frame);
-  double show(const Relighter& relighter, const Background& background, float scale,
-              Rgb8Image& frame);
   /// Pixels as linear radiance. The image is resized.
   void show(const FillTile& fill, const Background& background, RgbImage& image);
-  void show(const Relighter& relighter, const Background& background, RgbImage& image);
 
  private:
   /// Where a tile's pixels lie in the image, and how many of them are inside it.

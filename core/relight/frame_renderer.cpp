@@ -49,8 +49,11 @@ struct FrameRenderer::State {
   RecentTimes showing;         // display and estimate: what a deadline has to leave
   int frames_to_estimate = 0;  // until the error is estimated again
   ErrorEstimate estimated;     // when it was
+  std::unique_ptr<ImageLayer> layer;
+  CubeLight turned;  // texels for it
 
-  State(std::shared_ptr<const Bake> bake_, const RelightSettings& settings_)
+  State(std::shared_ptr<const Bake> bake_, const RelightSettings& settings_,
+        std::unique_ptr<ImageLayer> layer_)
       : bake(std::move(bake_)),
         settings(settings_),
         haar(bake->manifest().cube_size),
@@ -60,7 +63,8 @@ struct FrameRenderer::State {
         environments(bake->environments()),
         target(haar.size()),
         shares(layer_shares(bake->sketch())),
-        updater(*bake, haar, settings.policy, relighter) {}
+        updater(*bake, haar, settings.policy, relighter),
+        layer(std::move(layer_)) {}
 
   const PixelLayout& pixels() const { return bake->manifest().pixels; }
 
@@ -76,6 +80,7 @@ struct FrameRenderer::State {
   /// The light's coefficients in this rotation.
   void find_target(LightRotator& rotator, const Quaternion& rotation) {
     rotator.rotate(rotation, texels);
+    if (layer) turned = texels;  // the transform uses up its own
     const auto transform = [this](std::size_t c) {
       const int channel = static_cast<int>(c);
       haar.forward(texels.channel(channel), target.channel(channel));
@@ -89,7 +94,7 @@ struct FrameRenderer::State {
   }
 
   /// Refreshes the estimate, every few frames where it would take more than its share of a frame.
-  void estimate_error(double image_norm, FrameReport& report) {
+  void estimate_error(double image_norm, const LayerReport& added, FrameReport& report) {
     constexpr double kMostShare = 0.05;
     if (report.exact || --frames_to_estimate <= 0) {
       Stopwatch watch;
@@ -100,8 +105,11 @@ struct FrameRenderer::State {
           std::min(10.0, std::ceil(report.estimate_ms / (kMostShare * std::max(frame_ms, 0.1)))));
     }
     if (!(image_norm > 0)) return;
-    report.estimate = estimated.error / image_norm;
-    report.estimate_of_time = estimated.residual / image_norm;
+    const auto relative = [image_norm](double error, double squared) {
+      return std::sqrt(error * error + squared) / image_norm;
+    };
+    report.estimate = relative(estimated.error, added.squared_error);
+    report.estimate_of_time = relative(estimated.residual, added.squared_error_of_time);
   }
 
   double residual() const {
@@ -115,7 +123,7 @@ struct FrameRenderer::State {
     if (state.view && *state.view != bake->manifest().camera) {
       result.emplace_back("the moved camera (this bake is the image of one)");
     }
-    if (!state.materials.empty()) {
+    if (!layer && !state.materials.empty()) {
       result.emplace_back("edits of materials (this bake has them built in)");
     }
     return result;
@@ -123,23 +131,28 @@ struct FrameRenderer::State {
 
   /// Makes pixels, and the estimate that the report says.
   void show(const DesignState& state, const Quaternion& rotation, Rgb8Image& frame,
-            FrameReport& report) {
+            const LayerReport& added, FrameReport& report) {
     Stopwatch watch;
-    const double norm =
-        display.show(relighter, {light(state.environment).prepared->background, rotation},
-                     environments.exposure_of(state), frame);
+    const double norm = display.show(Display::tiles_of(relighter, layer.get()),
+                                     {light(state.environment).prepared->background, rotation},
+                                     environments.exposure_of(state), frame);
     report.display_ms = watch.lap_ms();
+    report.terms += added.terms;
+    report.unfinished = added.unfinished;
     report.unshown = unshown(state);
-    estimate_error(norm, report);
+    report.unshown.insert(report.unshown.end(), added.unshown.begin(), added.unshown.end());
+    estimate_error(norm, added, report);
     showing.add(report.display_ms + report.estimate_ms);
   }
 
   /// The exact image of a state in the relighter; false when abandoned.
   bool relight_exactly(const DesignState& state, const Quaternion& rotation, FrameReport& report,
-                       const std::function<bool()>& abandon) {
+                       LayerReport& added, const std::function<bool()>& abandon) {
+    if (layer) layer->check(state);
     Stopwatch watch;
     find_target(light(state.environment).rotator, rotation);
     const double rotate_ms = watch.lap_ms();
+    if (layer && !layer->settle({state, turned}, abandon, added)) return false;
     if (!relighter.apply_exact(target, abandon)) return false;
     report = {};
     report.exact = true;
@@ -152,26 +165,28 @@ struct FrameRenderer::State {
 
   /// Radiance of the pixels that geometry covers, for the exposure of an environment.
   std::vector<Vec3f> covered_radiance() const {
+    const Display::FillTile fill = Display::tiles_of(relighter, layer.get());
     std::vector<Vec3f> result;
-    std::array<float, kTileFloats> radiance;
+    TileImage image;
     for (std::size_t tile = 0; tile < relighter.tile_count(); ++tile) {
-      relighter.find_radiance(tile, radiance);
+      fill(tile, image);
+      const auto [left, top] = pixels().pixel(tile * kTileReceivers);
       for (std::size_t i = 0; i < kTileReceivers; ++i) {
         const auto [x, y] = pixels().pixel(tile * kTileReceivers + i);
         if (x >= pixels().width || y >= pixels().height) continue;
-        const int index = y * pixels().width + x;
-        if (!(bake->coverage()[static_cast<std::size_t>(index)] > 0)) continue;
-        const float* const lane =
-            radiance.data() + i / kBlockReceivers * kBlockFloats + i % kBlockReceivers;
-        result.emplace_back(lane[0], lane[kBlockReceivers], lane[2 * kBlockReceivers]);
+        if (!(bake->coverage()[static_cast<std::size_t>(y * pixels().width + x)] > 0)) continue;
+        const auto at = static_cast<std::size_t>(y - top) * TileImage::kSide +
+                        static_cast<std::size_t>(x - left);
+        result.emplace_back(image.channel[0][at], image.channel[1][at], image.channel[2][at]);
       }
     }
     return result;
   }
 };
 
-FrameRenderer::FrameRenderer(std::shared_ptr<const Bake> bake, const RelightSettings& settings)
-    : state_(std::make_unique<State>(std::move(bake), settings)) {}
+FrameRenderer::FrameRenderer(std::shared_ptr<const Bake> bake, const RelightSettings& settings,
+                             std::unique_ptr<ImageLayer> layer)
+    : state_(std::make_unique<State>(std::move(bake), settings, std::move(layer))) {}
 
 FrameRenderer::~FrameRenderer() = default;
 
@@ -190,41 +205,54 @@ void FrameRenderer::add_environment(std::shared_ptr<const Environment> environme
   FrameReport report;
   DesignState state;
   state.environment = name;
-  RIMLIGHT_CHECK(state_->relight_exactly(state, {}, report, {}));
+  LayerReport added;
+  RIMLIGHT_CHECK(state_->relight_exactly(state, {}, report, added, {}));
   state_->environments.set({environment, auto_exposure_scale(state_->covered_radiance())});
 }
 
 FrameReport FrameRenderer::render_moving(const DesignState& state, Rgb8Image& frame) {
   const Quaternion rotation = checked_rotation(state);
   Light& light = state_->light(state.environment);
+  if (state_->layer) state_->layer->check(state);
   FrameReport report;
   Stopwatch watch;
   state_->find_target(light.rotator, rotation);
   report.rotate_ms = watch.lap_ms();
-  const UpdateReport update =
-      state_->updater.update(state_->target, state_->update_budget(report.rotate_ms));
-  report.update_ms = watch.lap_ms();
+  LayerReport added;
+  if (state_->layer) {
+    added = state_->layer->move({state, state_->turned}, state_->update_budget(report.rotate_ms));
+    report.update_ms = watch.lap_ms();
+  }
+  const UpdateReport update = state_->updater.update(
+      state_->target, state_->update_budget(report.rotate_ms + report.update_ms));
+  report.update_ms += watch.lap_ms();
   report.terms = update.columns;
   report.bands_reset = update.bands_reset;
   report.residual = state_->residual();
-  state_->show(state, rotation, frame, report);
+  state_->show(state, rotation, frame, added, report);
   return report;
 }
 
 bool FrameRenderer::render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
                                  const std::function<bool()>& abandon) {
   const Quaternion rotation = checked_rotation(state);
-  if (!state_->relight_exactly(state, rotation, report, abandon)) return false;
-  state_->show(state, rotation, frame, report);
+  LayerReport added;
+  if (!state_->relight_exactly(state, rotation, report, added, abandon)) return false;
+  state_->show(state, rotation, frame, added, report);
   return true;
+}
+
+Unfinished FrameRenderer::improve(const std::function<bool()>& abandon) {
+  return state_->layer ? state_->layer->improve(abandon) : Unfinished::nothing;
 }
 
 void FrameRenderer::render_radiance(const DesignState& state, RgbImage& image,
                                     FrameReport& report) {
   const Quaternion rotation = checked_rotation(state);
-  RIMLIGHT_CHECK(state_->relight_exactly(state, rotation, report, {}));
+  LayerReport added;
+  RIMLIGHT_CHECK(state_->relight_exactly(state, rotation, report, added, {}));
   Stopwatch watch;
-  state_->display.show(state_->relighter,
+  state_->display.show(Display::tiles_of(state_->relighter, state_->layer.get()),
                        {state_->light(state.environment).prepared->background, rotation}, image);
   report.display_ms = watch.lap_ms();
 }

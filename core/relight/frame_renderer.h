@@ -10,6 +10,7 @@
 #include "core/relight/design_state.h"
 #include "core/relight/frame_report.h"
 #include "core/relight/frame_update.h"
+#include "core/relight/image_layer.h"
 #include "core/relight/policy_settings.h"
 #include "core/transport/bake_folder.h"
 
@@ -30,11 +31,14 @@ struct RelightSettings {
 /// environment in the same rotation, looked up in a finer cube map than the light's.
 ///
 /// Every call throws Error for a state that cannot be shown: an unknown environment, a rotation
-/// that is no unit quaternion to 10⁻³, an exposure that is not within ±kMostStops. A view other
-/// than the bake's camera, and edits of materials, cannot be shown: the report says so.
+/// that is no unit quaternion to 10⁻³, an exposure that is not within ±kMostStops; and what the
+/// layer refuses. A view other than the bake's camera, and without a layer edits of materials,
+/// cannot be shown: the report says so.
 class FrameRenderer {
  public:
-  FrameRenderer(std::shared_ptr<const Bake> bake, const RelightSettings& settings);
+  /// `layer`: what pixels get beside B, if anything.
+  FrameRenderer(std::shared_ptr<const Bake> bake, const RelightSettings& settings,
+                std::unique_ptr<ImageLayer> layer = nullptr);
   ~FrameRenderer();
 
   /// Projects all environments of a bake now, for every renderer of it: else the first frame of
@@ -55,6 +59,10 @@ class FrameRenderer {
   /// not touched and false comes back.
   bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
                     const std::function<bool()>& abandon = {});
+
+  /// Makes later frames of the state that was shown last better, until `abandon` answers true
+  /// (asked from several threads at once); what there is still to do.
+  Unfinished improve(const std::function<bool()>& abandon);
 
   /// The exact frame as linear radiance, composited, before exposure and tone mapping.
   void render_radiance(const DesignState& state, RgbImage& image, FrameReport& report);

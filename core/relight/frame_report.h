@@ -1,11 +1,16 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace rimlight {
+
+/// Work that can be done between frames, until none is left: for the frame after the next edit, or
+/// even for the exact frame of this state.
+enum class Unfinished : std::uint8_t { nothing, next_edits, exact_frame };
 
 /// How one frame came about.
 struct FrameReport {
@@ -24,6 +29,7 @@ struct FrameReport {
   double update_ms = 0;                    // policy and columns; of a view its rays too
   double display_ms = 0;                   // composite and tone map
   double estimate_ms = 0;
+  Unfinished unfinished = Unfinished::nothing;  // what improve() would do
   /// What the state asks for and this frame does not show, in words for people.
   std::vector<std::string> unshown;
 };

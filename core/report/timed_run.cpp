@@ -94,7 +94,8 @@ class Player {
       rotation = *sequence_.player.sequence().rotation_at(index);
     }
     Stopwatch watch;
-    image_norm_ = display_.show(relighter_, {*map, rotation}, exposure(), picture_);
+    image_norm_ = display_.show(Display::tiles_of(relighter_, nullptr), {*map, rotation},
+                                exposure(), picture_);
     row.ms.display = watch.lap_ms();
     encoder_.encode(picture_, kJpegQuality, jpeg_);
     row.ms.encode = watch.lap_ms();

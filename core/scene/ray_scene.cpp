@@ -223,6 +223,7 @@ std::optional<SurfaceHit> RayScene::intersect(const Ray& ray) const {
   if (dot(hit.geometric_normal, ray.direction) > 0) hit.geometric_normal = -hit.geometric_normal;
   hit.shading_normal = shading_normal(mesh, corner, at, hit.geometric_normal, -ray.direction);
   const Material& material = state_->source->materials[mesh.material];
+  hit.material = mesh.material;
   hit.brdf = brdf_at(material, mesh, corner, at);
   if (is_anisotropic(hit.brdf)) hit.tangent = material.tangent;
   hit.offset =

@@ -23,7 +23,8 @@ struct SurfaceHit {
   Vec3f geometric_normal;
   Vec3f shading_normal;
   float distance = 0;
-  Brdf brdf;         // the texture looked up
+  std::uint32_t material = 0;  // of the scene
+  Brdf brdf;                   // the texture looked up
   float offset = 0;  // move rays' origins this far along geometric_normal to leave the surface
   Vec3f tangent;     // the material's where the BRDF is anisotropic, else zero
 

@@ -51,8 +51,8 @@ struct Material {
 };
 
 /// What a bake's receivers and its basis are: pixels and Haar functions on a cube map, or vertices
-/// and spherical harmonics.
-enum class BakeKind { image_haar, vertex_sh };
+/// and spherical harmonics, or pixels whose direct light by some materials follows their curves.
+enum class BakeKind { image_haar, vertex_sh, brdf_curve };
 
 /// What a vertex' transport holds.
 enum class VertexTransfer {
@@ -88,6 +88,8 @@ struct BakeSettings {
   int bounces = 4;        // 0: direct light only
   double psnr_db = 50;    // of the compressed against the uncompressed transport
   std::uint64_t seed = 1;
+  /// brdf_curve: names of the materials whose BRDFs sessions edit; empty: all with a gloss.
+  std::vector<std::string> editable = {};
   /// Rows to keep as they are, for reports; no scene source says it, and no transport depends on
   /// it.
   std::size_t reference_receivers = 0;

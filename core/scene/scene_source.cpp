@@ -23,6 +23,8 @@ constexpr std::size_t kMostObjects = 10'000;
 constexpr std::size_t kMostMaterials = 10'000;
 constexpr std::size_t kMostEnvironments = 64;
 constexpr std::size_t kLongestName = 200;
+constexpr std::size_t kMostEditable = 256;
+constexpr int kLeastCurveCubeSize = 8;  // what surfaces see of the sky is kept in blocks of 8 × 8
 
 std::string read_name(const JsonReader& json) {
   const std::string name = json.string();
@@ -98,9 +100,17 @@ void read_integer(const JsonReader& json, std::string_view name, int low, int hi
 }
 
 void read_image_bake(const JsonReader& json, BakeSettings& bake) {
-  json.allow_only(
-      {"kind", "width", "height", "cube_size", "primary_rays", "bounces", "psnr_db", "seed"});
-  read_integer(json, "cube_size", 4, 128, bake.cube_size);
+  json.allow_only({"kind", "width", "height", "cube_size", "primary_rays", "bounces", "psnr_db",
+                   "seed", "editable"});
+  const bool of_curves = bake.kind == BakeKind::brdf_curve;
+  const int least_size = of_curves ? kLeastCurveCubeSize : 4;
+  read_integer(json, "cube_size", least_size, 128, bake.cube_size);
+  if (const auto editable = json.optional_member("editable")) {
+    if (!of_curves) editable->fail("nothing for this kind of bake: \"brdf_curve\" has it");
+    for (const JsonReader& name : editable->elements(1, kMostEditable)) {
+      bake.editable.push_back(name.string());
+    }
+  }
   read_integer(json, "primary_rays", 1, 256, bake.primary_rays);
   read_integer(json, "bounces", 0, 64, bake.bounces);
   if ((bake.cube_size & (bake.cube_size - 1)) != 0) {
@@ -133,7 +143,10 @@ void read_vertex_bake(const JsonReader& json, VertexBakeSettings& vertex) {
 BakeSettings read_bake(const JsonReader& json) {
   BakeSettings bake;
   const auto kind = json.optional_member("kind");
-  if (kind && kind->one_of({"image_haar", "vertex_sh"}) == 1) bake.kind = BakeKind::vertex_sh;
+  if (kind) {
+    constexpr BakeKind kKinds[] = {BakeKind::image_haar, BakeKind::vertex_sh, BakeKind::brdf_curve};
+    bake.kind = kKinds[kind->one_of({"image_haar", "vertex_sh", "brdf_curve"})];
+  }
   if (bake.kind == BakeKind::vertex_sh) {
     read_vertex_bake(json, bake.vertex);
   } else {

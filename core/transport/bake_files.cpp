@@ -55,7 +55,7 @@ std::string bake_kind(const std::filesystem::path& folder) {
   const nlohmann::json json = parse_json(read_manifest_text(folder), source);
   const JsonReader reader(json, source);
   expect_version(reader);
-  const std::vector<std::string> kinds = {kImageKind, kVertexKind};
+  const std::vector<std::string> kinds = {kImageKind, kCurveKind, kVertexKind};
   return kinds[reader.member("kind").one_of(kinds)];
 }
 

@@ -22,9 +22,11 @@ inline constexpr const char* kManifestFile = "manifest.json";
 inline constexpr const char* kManifestHashFile = "manifest.json.xxh64";
 inline constexpr const char* kTransportFile = "transport.safetensors";
 
-/// The kinds of bakes, as manifests name them: pixels of one view and Haar functions on a cube map
-/// (class Bake), vertices and spherical harmonics (class VertexBake).
+/// The kinds of bakes, as manifests name them: pixels of one view and Haar functions on a cube map,
+/// and the same with materials whose curves are edited (class Bake); vertices and spherical
+/// harmonics (class VertexBake).
 inline constexpr const char* kImageKind = "image_haar";
+inline constexpr const char* kCurveKind = "brdf_curve";
 inline constexpr const char* kVertexKind = "vertex_sh";
 
 /// An environment as a bake keeps it: its image, as it was read or made, and the exposure that

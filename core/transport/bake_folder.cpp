@@ -3,6 +3,7 @@
 #include "core/basis/cube_map.h"
 #include "core/transport/bake_manifest.h"
 #include "core/transport/bake_tensors.h"
+#include "core/transport/curve_tensors.h"
 
 namespace rimlight {
 
@@ -19,6 +20,15 @@ Bake::Bake(const std::filesystem::path& folder)
   reflectance_ = read_reflectance(pixels, path(kPixelsFile), manifest_.pixels);
   sketch_ = read_sketch(files_.file(kSketchFile), path(kSketchFile), columns);
   environments_ = files_.read_environments();
+  if (!has_curves()) return;
+  const TensorFile& curves = files_.file(kCurvesFile);
+  surfaces_ = read_curve_surfaces(curves, path(kCurvesFile), manifest_);
+  visibility_ = read_sky_visibility(curves, path(kCurvesFile), manifest_, surfaces_.size());
+  read_measured_factors(curves, path(kCurvesFile), manifest_.measured_brdfs);
+}
+
+CurveReceivers Bake::curve_receivers() const {
+  return {manifest_.materials, manifest_.measured_brdfs, surfaces_, visibility_};
 }
 
 Bake::~Bake() = default;

@@ -14,6 +14,7 @@
 
 #include "core/math/camera.h"
 #include "core/transport/bake_files.h"
+#include "core/transport/curve_receivers.h"
 #include "core/transport/receivers.h"
 #include "core/transport/sketch.h"
 #include "core/transport/tensor_file.h"
@@ -25,6 +26,7 @@ namespace rimlight {
 /// Files of an image bake; docs/formats/bake.md has the tensors of each.
 inline constexpr const char* kPixelsFile = "pixels.safetensors";
 inline constexpr const char* kSketchFile = "sketch.safetensors";
+inline constexpr const char* kCurvesFile = "curves.safetensors";
 
 /// What an image bake holds besides its tensors: manifest.json, written and read through here
 /// alone.
@@ -39,6 +41,10 @@ struct BakeManifest {
   nlohmann::json settings = nlohmann::json::object();  // bounces, seed, …: what it was baked with
   nlohmann::json measured = nlohmann::json::object();  // PSNR per check light; blocks per band; …
   nlohmann::json left_out = nlohmann::json::object();  // what is left out, what error that costs
+  // Of kind brdf_curve: materials whose direct light is not in the transport but follows their
+  // curves, and measured BRDFs to put in their place.
+  std::vector<CurveMaterial> materials = {};
+  std::vector<CurveMaterial> measured_brdfs = {};
 };
 
 /// Writes a bake: everything goes to "NAME.bake.partial/", is flushed, and renamed by commit().
@@ -71,6 +77,8 @@ class BakeWriter {
   /// Sketches what add_transport() and add_pixels() have written; `sums` are of what it was made
   /// of. Reads all of it back, in parallel.
   void add_sketch(const SketchSums& sums, const PixelLayout& pixels);
+  /// What editable materials' direct light is made of, and the factors of measured BRDFs.
+  void add_curves(const CurveReceivers& receivers);
   /// At least one; names differ. The first is the default.
   void add_environment(const BakedEnvironment& environment);
 
@@ -91,8 +99,9 @@ class BakeWriter {
   nlohmann::json environments_ = nlohmann::json::array();
 };
 
-/// An opened image bake: manifest checked (version, hash, every field), all tensors mapped, hashed
-/// and checked. Throws Error naming file and field. Immutable; any thread.
+/// An opened bake of pixels, of kind image_haar or brdf_curve: manifest checked (version, hash,
+/// every field), all tensors mapped, hashed and checked. Throws Error naming file and field.
+/// Immutable; any thread.
 class Bake {
  public:
   explicit Bake(const std::filesystem::path& folder);
@@ -108,6 +117,10 @@ class Bake {
   /// The reflectance that restore_radiance() takes; padded receivers have 0.
   const ReceiverValues& reflectance() const { return reflectance_; }
   const Sketch& sketch() const { return sketch_; }
+  /// Whether sessions edit the curves of its materials (kind brdf_curve).
+  bool has_curves() const { return !manifest_.materials.empty(); }
+  /// Empty without.
+  CurveReceivers curve_receivers() const;
   /// count_column_bytes() of the transport.
   const std::vector<std::uint32_t>& column_bytes() const { return column_bytes_; }
   /// measure_parts() of the transport.
@@ -129,6 +142,8 @@ class Bake {
   std::vector<PartSize> part_sizes_;
   ReceiverValues reflectance_;
   Sketch sketch_;
+  std::vector<CurveSurface> surfaces_;
+  SkyVisibilityView visibility_;
   std::vector<BakedEnvironment> environments_;
 };
 

@@ -7,6 +7,7 @@
 #include "core/base/files.h"
 #include "core/basis/cube_map.h"
 #include "core/image/image_file.h"
+#include "core/transport/curve_tensors.h"
 
 namespace rimlight {
 namespace {
@@ -74,26 +75,40 @@ int read_cube_size(const JsonReader& reader) {
 }  // namespace
 
 json manifest_to_json(const BakeManifest& manifest) {
-  return {{"version", manifest.version},
-          {"kind", manifest.kind},
-          {"scene", manifest.scene},
-          {"width", manifest.pixels.width},
-          {"height", manifest.pixels.height},
-          {"cube_size", manifest.cube_size},
-          {"camera", camera_to_json(manifest.camera)},
-          {"settings", manifest.settings},
-          {"measured", manifest.measured},
-          {"left_out", manifest.left_out}};
+  json result = {{"version", manifest.version},
+                 {"kind", manifest.kind},
+                 {"scene", manifest.scene},
+                 {"width", manifest.pixels.width},
+                 {"height", manifest.pixels.height},
+                 {"cube_size", manifest.cube_size},
+                 {"camera", camera_to_json(manifest.camera)},
+                 {"settings", manifest.settings},
+                 {"measured", manifest.measured},
+                 {"left_out", manifest.left_out}};
+  if (manifest.materials.empty()) return result;
+  result["kind"] = kCurveKind;
+  result["materials"] = curve_materials_to_json(manifest.materials);
+  result["measured_brdfs"] = measured_to_json(manifest.measured_brdfs);
+  return result;
 }
 
 BakeManifest read_manifest(const JsonReader& reader) {
   // First, so that a later version or another kind is told as such and not by its unknown fields.
   const JsonReader version = reader.member("version");
   if (version.integer(0, INT32_MAX) != kBakeVersion) version.fail(std::to_string(kBakeVersion));
-  expect_kind(reader, kImageKind);
-  reader.allow_only({"version", "kind", "scene", "width", "height", "cube_size", "camera",
-                     "settings", "measured", "left_out", "environments", "files"});
   BakeManifest manifest;
+  const JsonReader kind = reader.member("kind");
+  const bool has_curves = kind.one_of({kImageKind, kCurveKind}) == 1;
+  std::vector<std::string_view> fields = {"version",  "kind",      "scene",        "width",
+                                          "height",   "cube_size", "camera",       "settings",
+                                          "measured", "left_out",  "environments", "files"};
+  if (has_curves) {
+    fields.insert(fields.end(), {"materials", "measured_brdfs"});
+    manifest.kind = kCurveKind;
+    manifest.materials = read_curve_materials(reader.member("materials"));
+    manifest.measured_brdfs = read_measured(reader.member("measured_brdfs"));
+  }
+  reader.allow_only(fields);
   manifest.scene = reader.member("scene").string();
   manifest.pixels.width = read_image_side(reader.member("width"));
   manifest.pixels.height = read_image_side(reader.member("height"));

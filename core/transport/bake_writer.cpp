@@ -16,6 +16,7 @@
 #include "core/transport/bake_folder.h"
 #include "core/transport/bake_manifest.h"
 #include "core/transport/bake_tensors.h"
+#include "core/transport/curve_tensors.h"
 
 namespace rimlight {
 namespace {
@@ -195,6 +196,12 @@ void BakeWriter::add_sketch(const SketchSums& sums, const PixelLayout& pixels) {
   add_file(kSketchFile, writer->finish());
 }
 
+void BakeWriter::add_curves(const CurveReceivers& receivers) {
+  const auto writer = create(kCurvesFile, curve_tensors(receivers));
+  write_curves(*writer, receivers);
+  add_file(kCurvesFile, writer->finish());
+}
+
 void BakeWriter::add_environment(const BakedEnvironment& baked) {
   const Environment& environment = *baked.environment;
   const RgbImage& image = environment.image();
@@ -214,6 +221,7 @@ void BakeWriter::add_environment(const BakedEnvironment& baked) {
 }
 
 void BakeWriter::commit(const BakeManifest& manifest) {
+  if (!manifest.materials.empty()) RIMLIGHT_CHECK(files_.contains(kCurvesFile));
   commit(manifest_to_json(manifest), {kTransportFile, kPixelsFile, kSketchFile});
 }
 

@@ -88,6 +88,7 @@ class SkyVisibilityPacker {
 /// owner keeps.
 struct CurveReceivers {
   std::span<const CurveMaterial> materials;
+  std::span<const CurveMaterial> measured;  // that sessions may load, each with factors
   std::span<const CurveSurface> surfaces;
   SkyVisibilityView visibility;  // [surface]
 };

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/curves/curve_layer.h"
 #include "server/protocol/stream_target.h"
 
 namespace rimlight::server {
@@ -13,9 +14,9 @@ namespace {
 template <typename Renderer>
 class RendererSource final : public FrameSource {
  public:
-  template <typename Scene, typename Settings>
-  RendererSource(const std::shared_ptr<const Scene>& scene, const Settings& settings)
-      : renderer_(scene, settings) {}
+  template <typename... Arguments>
+  explicit RendererSource(Arguments&&... arguments)
+      : renderer_(std::forward<Arguments>(arguments)...) {}
 
   FrameReport render_moving(const DesignState& state, Rgb8Image& frame) override {
     return renderer_.render_moving(state, frame);
@@ -23,6 +24,13 @@ class RendererSource final : public FrameSource {
   bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
                     const std::function<bool()>& abandon) override {
     return renderer_.render_exact(state, frame, report, abandon);
+  }
+  Unfinished improve(const std::function<bool()>& abandon) override {
+    if constexpr (requires { renderer_.improve(abandon); }) {
+      return renderer_.improve(abandon);
+    } else {
+      return Unfinished::nothing;
+    }
   }
 
  private:
@@ -59,7 +67,7 @@ ServedScene serve_bake(std::shared_ptr<const Bake> bake, const RelightSettings& 
   scene.height = bake->manifest().pixels.height;
   scene.camera = bake->manifest().camera;
   scene.make_source = [bake = std::move(bake), settings] {
-    return std::make_unique<RendererSource<FrameRenderer>>(bake, settings);
+    return std::make_unique<RendererSource<FrameRenderer>>(bake, settings, curve_layer_of(bake));
   };
   return scene;
 }

@@ -7,6 +7,9 @@
 namespace rimlight::server {
 namespace {
 
+/// Unfinished work goes on for so long before another session may have its turn.
+constexpr std::chrono::milliseconds kSlice{20};
+
 double milliseconds(Clock::duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
@@ -108,10 +111,17 @@ void DesignSession::offer(Viewer& viewer, const FramePtr& frame) {
 }
 
 void DesignSession::reschedule(Clock::time_point now) {
-  if (closed_.load() || viewers_.empty() || exact_revision_ == revision_.number) {
+  const bool is_shown = exact_revision_ == revision_.number;
+  if (closed_.load() || viewers_.empty() || (is_shown && unfinished_ == Unfinished::nothing)) {
     moving_since_.reset();
     exact_since_.reset();
     queue_.unschedule(*this);
+    return;
+  }
+  if (is_shown) {
+    moving_since_.reset();
+    exact_since_.reset();
+    queue_.schedule(shared_from_this(), now);
     return;
   }
   const Clock::time_point quiet_from = last_edit_ + settings_.quiet;
@@ -121,8 +131,10 @@ void DesignSession::reschedule(Clock::time_point now) {
   } else if (!moving_since_) {
     moving_since_ = now;
   }
-  queue_.schedule(shared_from_this(),
-                  moving_since_ ? std::min(*moving_since_, *exact_since_) : *exact_since_);
+  Clock::time_point next = *exact_since_;
+  if (moving_since_) next = std::min(next, *moving_since_);
+  if (unfinished_ != Unfinished::nothing) next = std::min(next, now);
+  queue_.schedule(shared_from_this(), next);
 }
 
 DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
@@ -133,9 +145,13 @@ DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
     task.queue_ms = milliseconds(now - *std::exchange(moving_since_, std::nullopt));
     // Counted as shown already now: only edits that come during the work ask for another.
     moving_revision_ = revision_.number;
+  } else if (unfinished_ == Unfinished::exact_frame) {
+    task.kind = Work::improve;  // the exact frame would take as long, and nobody else had a turn
   } else if (exact_since_ && now >= *exact_since_) {
     task.kind = Work::exact;
     task.queue_ms = milliseconds(now - *std::exchange(exact_since_, std::nullopt));
+  } else if (unfinished_ != Unfinished::nothing) {
+    task.kind = Work::improve;
   }
   return task;
 }
@@ -148,13 +164,27 @@ void DesignSession::work(Clock::time_point now) noexcept {
   }
   if (task.kind != Work::none) {
     try {
-      if (const FramePtr frame = make_frame(task)) deliver(task, frame);
+      if (task.kind == Work::improve) {
+        improve(task);
+      } else if (const FramePtr frame = make_frame(task)) {
+        deliver(task, frame);
+      }
     } catch (const std::exception& failure) {
       fail(task, failure.what());
     }
   }
   const std::lock_guard lock(mutex_);
   reschedule(queue_.now());
+}
+
+void DesignSession::improve(const Task& task) {
+  const Clock::time_point end = queue_.now() + kSlice;
+  const Unfinished left = source_->improve([&] {
+    return closed_.load(std::memory_order_relaxed) || queue_.now() >= end ||
+           newest_revision_.load(std::memory_order_relaxed) != task.revision.number;
+  });
+  const std::lock_guard lock(mutex_);
+  unfinished_ = left;
 }
 
 FramePtr DesignSession::make_frame(const Task& task) {
@@ -175,6 +205,10 @@ FramePtr DesignSession::make_frame(const Task& task) {
     encode_png(image_, payload_);
   } else {
     jpeg_.encode(image_, settings_.jpeg_quality, payload_);
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    unfinished_ = report.unfinished;
   }
   FrameHeader header;
   header.frame = frames_++;
@@ -211,6 +245,7 @@ void DesignSession::fail(const Task& task, const std::string& reason) {
   moving_revision_ = std::max(moving_revision_, task.revision.number);
   exact_revision_ = std::max(exact_revision_, task.revision.number);
   exact_frame_ = nullptr;
+  unfinished_ = Unfinished::nothing;
   for (const Viewer& viewer : viewers_) viewer.client->send_text(write_error(reason));
 }
 

@@ -29,7 +29,8 @@ enum class AckResult { taken, not_in_flight };
 /// one, so that a burst of edits costs one frame and frames are dropped before they are made; after
 /// `quiet` the exact image, once, as PNG; then nothing. Each client has at most one frame in flight
 /// and keeps the newest one waiting: a slow client gets fewer frames, never older ones, and always
-/// the last. Any thread, but work() is the compute thread's.
+/// the last. When no frame is due, what the source has left unfinished goes on in slices of
+/// 20 ms, behind all other sessions. Any thread, but work() is the compute thread's.
 class DesignSession final : public RenderJob, public std::enable_shared_from_this<DesignSession> {
  public:
   /// `scene` and `queue` must outlive it.
@@ -56,7 +57,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   void work(Clock::time_point now) noexcept override;
 
  private:
-  enum class Work { none, moving, exact };
+  enum class Work { none, moving, improve, exact };
   /// One client's place in the flow of frames.
   struct Viewer {
     std::shared_ptr<Client> client;
@@ -80,6 +81,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   Task begin_task(Clock::time_point now);
 
   // Called on the compute thread, without the mutex.
+  void improve(const Task& task);
   FramePtr make_frame(const Task& task);
   void deliver(const Task& task, const FramePtr& frame);
   void fail(const Task& task, const std::string& reason);
@@ -98,6 +100,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   // Since when each kind of frame is wanted and could be made: the place in the fair queue.
   std::optional<Clock::time_point> moving_since_;
   std::optional<Clock::time_point> exact_since_;
+  Unfinished unfinished_ = Unfinished::nothing;  // of what the source showed last
   FramePtr exact_frame_;
   std::vector<Viewer> viewers_;
   std::optional<Clock::time_point> idle_since_;

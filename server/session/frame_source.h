@@ -16,6 +16,9 @@ class FrameSource {
   /// False when `abandon` answered true: the frame was not touched.
   virtual bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
                             const std::function<bool()>& abandon) = 0;
+  /// Makes later frames of the state that was shown last better, until `abandon` answers true; what
+  /// there is still to do.
+  virtual Unfinished improve(const std::function<bool()>& abandon) = 0;
 };
 
 }  // namespace rimlight::server

@@ -1,0 +1,293 @@
+#include "core/curves/curve_layer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/base/parallel.h"
+#include "core/curves/panel_freshness.h"
+#include "core/curves/quick_image.h"
+
+namespace rimlight {
+namespace {
+
+/// The same rows from frame to frame, so that the error moves smoothly.
+constexpr std::uint64_t kSampleSeed = 1;
+
+MeasuredLibrary library_of(const CurveReceivers& receivers) {
+  MeasuredLibrary library;
+  for (const CurveMaterial& each : receivers.measured) library.emplace(each.name, *each.measured);
+  return library;
+}
+
+MaterialEdit edit_of(const DesignState& state, const std::string& material) {
+  const auto found = state.materials.find(material);
+  return found == state.materials.end() ? MaterialEdit{} : found->second;
+}
+
+}  // namespace
+
+struct CurveLayer::State {
+  std::shared_ptr<const Bake> bake;
+  CurveLayerSettings settings;
+  CurveReceivers receivers;
+  MeasuredLibrary library;
+  CurveSky sky;
+  CurveTransport transport;
+  CurveUpdater updater;
+  PanelFreshness freshness;
+  std::vector<MaterialEdit> edits;         // [material]
+  std::vector<CurveMaterialState> states;  // [material]
+  std::optional<CurveLight> light;
+  CubeLight texels;                 // that the light is of
+  AlignedVector<float> quick;       // [panel][3][kPanelRows]
+  std::uint64_t quick_version = 0;  // of freshness, that it shows
+  std::vector<std::vector<std::uint32_t>> panels_of_tile;
+
+  State(std::shared_ptr<const Bake> bake_, const CurveLayerSettings& settings_)
+      : bake(std::move(bake_)),
+        settings(settings_),
+        receivers(bake->curve_receivers()),
+        library(library_of(receivers)),
+        sky(bake->manifest().cube_size),
+        transport(receivers),
+        updater(transport, settings.policy),
+        freshness(transport),
+        edits(receivers.materials.size()),
+        quick(transport.panels().size() * kPanelFloats),
+        panels_of_tile(bake->manifest().pixels.tile_count()) {
+    for (std::uint32_t m = 0; m < receivers.materials.size(); ++m) {
+      states.push_back(resolve(m, {}));
+      freshness.start(m, states.back());
+    }
+    for (std::uint32_t panel = 0; panel < transport.panels().size(); ++panel) {
+      panels_of_tile[transport.panels()[panel].tile].push_back(panel);
+    }
+  }
+
+  CurveMaterialState resolve(std::uint32_t material, const MaterialEdit& edit) const {
+    const CurveMaterial& baked = receivers.materials[material];
+    return rimlight::resolve(baked, edit, library, "material " + baked.name);
+  }
+
+  CurveCoefficients target(std::uint32_t material, CurveAxis axis) const {
+    return transport.basis(axis).coefficients(*states[material].curve(axis));
+  }
+
+  /// The light and the materials that are asked for; what that leaves stale is not made yet.
+  void follow(const Request& request) {
+    const DesignState& wanted = request.state;
+    if (!light || texels.values != request.texels.values) {
+      light.emplace(sky, request.texels,
+                    std::min(settings.strongest_texels, request.texels.count()));
+      texels = request.texels;
+      freshness.change_light();
+    }
+    for (std::uint32_t m = 0; m < edits.size(); ++m) {
+      MaterialEdit edit = edit_of(wanted, receivers.materials[m].name);
+      if (edit == edits[m]) continue;
+      CurveMaterialState next = resolve(m, edit);
+      freshness.change_material(m, change(states[m], next), next);
+      states[m] = std::move(next);
+      edits[m] = std::move(edit);
+    }
+    for (std::uint32_t m = 0; m < edits.size(); ++m) aim(m);
+  }
+
+  /// Gives the updater the axis and the curve that a material is to show.
+  void aim(std::uint32_t material) {
+    const auto axis = freshness.axis(material);
+    if (!freshness.all_fresh(material)) {
+      if (axis && updater.axis(material) == axis) {
+        updater.set_target(material, target(material, *axis));
+      }
+      return;
+    }
+    if (!freshness.all_shown(material)) {
+      updater.show(material, axis, axis ? target(material, *axis) : CurveCoefficients{});
+      freshness.mark_all_shown(material);
+    } else if (axis) {
+      updater.set_target(material, target(material, *axis));
+    }
+  }
+
+  /// Makes a stale panel anew; from several threads.
+  void rebuild(std::uint32_t panel, std::optional<CurveAxis> axis) {
+    const std::uint32_t m = transport.panels()[panel].material;
+    if (axis && !freshness.is_fresh(panel, *axis)) {
+      transport.rebuild(panel, *light, states[m], *axis, freshness.version());
+    } else {
+      transport.rebuild_fixed(panel, *light, states[m], freshness.version());
+    }
+  }
+
+  /// Makes panels anew until abandoned; whether all are.
+  bool rebuild_all(const std::vector<std::uint32_t>& panels,
+                   const std::function<std::optional<CurveAxis>(std::uint32_t material)>& axis_of,
+                   const std::function<bool()>& abandon) {
+    std::atomic<bool> is_abandoned{false};
+    std::vector<std::uint8_t> is_made(panels.size());
+    parallel_for(panels.size(), [&](std::size_t i) {
+      if (is_abandoned || (abandon && abandon())) {
+        is_abandoned = true;
+        return;
+      }
+      rebuild(panels[i], axis_of(transport.panels()[panels[i]].material));
+      is_made[i] = 1;
+    });
+    for (std::size_t i = 0; i < panels.size(); ++i) {
+      if (is_made[i] != 0) show_made(panels[i]);
+    }
+    return !is_abandoned;
+  }
+
+  /// A panel was made: it is shown when it is of the axis that its material shows.
+  void show_made(std::uint32_t panel) {
+    const std::uint32_t m = transport.panels()[panel].material;
+    if (!freshness.is_fresh(panel)) return;
+    const auto axis = freshness.axis(m);
+    if (updater.axis(m) != axis) {
+      updater.show(m, axis, axis ? target(m, *axis) : CurveCoefficients{});
+    } else {
+      updater.refresh(panel);
+    }
+    freshness.mark_shown(panel);
+  }
+
+  bool make_fresh(const std::function<bool()>& abandon) {
+    return rebuild_all(
+        freshness.stale_panels(), [&](std::uint32_t m) { return freshness.axis(m); }, abandon);
+  }
+
+  /// Norms of what is fresh, one material after the other.
+  void find_norms(const std::function<bool()>& abandon) {
+    for (std::uint32_t m = 0; m < states.size(); ++m) {
+      const auto axis = freshness.axis(m);
+      if (!axis || freshness.has_norms(m) || !freshness.all_fresh(m)) continue;
+      if (abandon && abandon()) return;
+      transport.find_norms(m, *axis);
+      freshness.mark_norms(m);
+    }
+  }
+
+  void shade_stale_quickly() {
+    if (freshness.stale_panels().empty() || quick_version == freshness.version()) return;
+    RIMLIGHT_CHECK(shade_quickly(transport, *light, states, {}, quick));
+    quick_version = freshness.version();
+  }
+
+  LayerReport describe(const DesignState& state, std::size_t terms) const {
+    LayerReport report;
+    report.terms = terms;
+    report.squared_error_of_time = updater.squared_error();
+    const std::size_t stale = freshness.stale_panels().size();
+    if (stale > 0) {
+      // The sample is of all rows; most often all are stale.
+      const double share =
+          static_cast<double>(stale) / static_cast<double>(transport.panels().size());
+      report.squared_error_of_time +=
+          share * sampled_squared_error(transport, *light, states, quick, settings.sampled_rows,
+                                        kSampleSeed);
+    }
+    report.squared_error = report.squared_error_of_time;
+    report.unfinished = freshness.unfinished();
+    report.unshown = unshown(state);
+    return report;
+  }
+
+  std::vector<std::string> unshown(const DesignState& state) const {
+    std::vector<std::string> result;
+    bool any = false;
+    for (std::size_t m = 0; m < receivers.materials.size(); ++m) {
+      if (edits[m] == MaterialEdit{}) continue;
+      any = true;
+      const auto missing = unavailable(receivers.materials[m], edits[m]);
+      result.insert(result.end(), missing.begin(), missing.end());
+    }
+    if (any)
+      result.emplace_back("what edited materials do to other surfaces (that stays as baked)");
+    for (const auto& [name, edit] : state.materials) {
+      if (std::ranges::find(receivers.materials, name, &CurveMaterial::name) !=
+          receivers.materials.end()) {
+        continue;
+      }
+      result.push_back("edits of " + name + " (this bake has it built in)");
+    }
+    return result;
+  }
+};
+
+CurveLayer::CurveLayer(std::shared_ptr<const Bake> bake, const CurveLayerSettings& settings) {
+  RIMLIGHT_CHECK(bake->has_curves());
+  state_ = std::make_unique<State>(std::move(bake), settings);
+}
+
+CurveLayer::~CurveLayer() = default;
+
+void CurveLayer::check(const DesignState& state) const {
+  for (std::uint32_t m = 0; m < state_->edits.size(); ++m) {
+    const MaterialEdit edit = edit_of(state, state_->receivers.materials[m].name);
+    if (edit != state_->edits[m]) state_->resolve(m, edit);
+  }
+}
+
+LayerReport CurveLayer::move(const Request& request, const FrameBudget& budget) {
+  state_->follow(request);
+  state_->shade_stale_quickly();
+  const CurveUpdateReport update = state_->updater.update(budget);
+  return state_->describe(request.state, update.columns);
+}
+
+Unfinished CurveLayer::improve(const std::function<bool()>& abandon) {
+  State& state = *state_;
+  if (!state.light) return Unfinished::nothing;
+  if (state.make_fresh(abandon)) {
+    state.find_norms(abandon);
+    const auto panels = state.freshness.stale_panels_of_other_axis();
+    (void)state.rebuild_all(
+        panels, [&](std::uint32_t m) { return state.freshness.other_axis(m); }, abandon);
+  }
+  return state.freshness.unfinished();
+}
+
+bool CurveLayer::settle(const Request& request, const std::function<bool()>& abandon,
+                        LayerReport& report) {
+  state_->follow(request);
+  if (!state_->make_fresh(abandon)) return false;
+  for (std::uint32_t m = 0; m < state_->states.size(); ++m) state_->aim(m);
+  if (!state_->updater.apply_exact(abandon)) return false;
+  report = state_->describe(request.state, 0);
+  return true;
+}
+
+bool CurveLayer::add(std::size_t tile, TileImage& image) const {
+  const State& state = *state_;
+  const PixelLayout& pixels = state.bake->manifest().pixels;
+  const auto [left, top] = pixels.pixel(tile * kTileReceivers);
+  for (const std::uint32_t panel : state.panels_of_tile[tile]) {
+    const float* const rows = state.freshness.is_shown(panel)
+                                  ? state.updater.image(panel).data()
+                                  : state.quick.data() + panel * kPanelFloats;
+    const CurvePanel& of = state.transport.panels()[panel];
+    for (std::size_t row = 0; row < of.row_count; ++row) {
+      const auto [x, y] = pixels.pixel(of.receivers[row]);
+      const std::size_t at =
+          static_cast<std::size_t>(y - top) * TileImage::kSide + static_cast<std::size_t>(x - left);
+      for (std::size_t c = 0; c < 3; ++c) {
+        image.channel[c][at] += rows[c * kPanelRows + row];
+      }
+    }
+  }
+  return !state.panels_of_tile[tile].empty();
+}
+
+std::unique_ptr<ImageLayer> curve_layer_of(const std::shared_ptr<const Bake>& bake) {
+  if (!bake->has_curves()) return nullptr;
+  return std::make_unique<CurveLayer>(bake, CurveLayerSettings{});
+}
+
+}  // namespace rimlight
