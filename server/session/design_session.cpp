@@ -31,7 +31,8 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
   viewers_.push_back({client, kNone, nullptr});
   client->send_text(
       write_welcome({name_, scene_.name, scene_.environments, scene_.width, scene_.height,
-                     scene_.camera, scene_.any_view, scene_.materials, state_, revision_}));
+                     scene_.camera, scene_.any_view, scene_.materials, scene_.editable,
+                     known_materials(scene_).measured, state_, revision_}));
   if (exact_revision_ == revision_.number) {
     if (exact_frame_) {
       offer(viewers_.back(), exact_frame_);
