@@ -15,6 +15,8 @@ const kChannelNames = ['Red', 'Green', 'Blue'];
 const element = (id) => document.getElementById(`curve-${id}`);
 
 function setOptions(select, options) {
+  const isSame = select.length === options.length && options.every(([key], i) => select[i].value === key);
+  if (isSame) return; // it may be open
   const value = select.value;
   select.replaceChildren(...options.map(([key, text]) => new Option(text, key)));
   if (options.some(([key]) => key === value)) select.value = value;
@@ -145,12 +147,14 @@ export class CurveEditor {
     element('preset').value = '';
     if (!name) return;
     const view = this.#view;
-    const chosen = preset(name, view.material, (curve) => view.energy(curve)?.lobe ?? 0);
+    const chosen = preset(name, view.material, (half_angle, parameters) => {
+      const curve = { [this.#name]: { half_angle } };
+      const parameter = { [this.#name]: parameters };
+      const edited = applied({ ...this.#edited, curve }, { parameter });
+      return new CurveView(this.#baked.get(this.#name), edited, this.#library).energy()?.lobe ?? 0;
+    });
     const parts = {};
-    if (chosen.parameters) {
-      parts.parameter = Object.fromEntries(Object.entries(chosen.parameters).map(([key, value]) =>
-        [key, ['eta', 'k'].includes(key) ? [value, value, value].flat().slice(0, 3) : value]));
-    }
+    if (chosen.parameters) parts.parameter = chosen.parameters;
     if (view.axes.length > 0) {
       parts.curve = Object.fromEntries(view.axes.map((axis) => [axis, null]));
       if (chosen.half_angle) parts.curve.half_angle = chosen.half_angle;

@@ -20,7 +20,7 @@ function made(name, attributes, parent) {
 export function numberText(value) {
   if (value === 0) return '0';
   const isPlain = Math.abs(value) >= 1e-3 && Math.abs(value) < 1e5;
-  return isPlain ? String(Number(value.toPrecision(3))) : value.toExponential(1);
+  return isPlain ? String(Number(value.toPrecision(3))) : value.toExponential(1).replace('.0', '');
 }
 
 export function angleText(axis, position) {
@@ -170,11 +170,23 @@ export class CurvePlot {
     return { position: Math.min(1, Math.max(0, position)), value: valueAt(scale, top, share) };
   }
 
+  /** The point nearest to a pointer, if it is near: a finger need not hit it. */
+  #near(event) {
+    const reach = event.pointerType === 'touch' ? 24 : 10;
+    let [nearest, index] = [reach, -1];
+    [...this.#handles.children].forEach((handle, i) => {
+      const box = handle.getBoundingClientRect();
+      const distance = Math.hypot(event.clientX - box.x - box.width / 2, event.clientY - box.y - box.height / 2);
+      if (distance < nearest) [nearest, index] = [distance, i];
+    });
+    return index;
+  }
+
   #down(event) {
-    const index = this.#indexOf(event.target);
+    const index = this.#near(event);
     if (event.button !== 0 || index < 0 || this.#grabbed) return;
     event.preventDefault();
-    event.target.focus();
+    this.#handles.children[index].focus();
     this.#svg.setPointerCapture(event.pointerId);
     this.#grabbed = { pointer: event.pointerId, index, x: event.clientX, y: event.clientY, moved: false };
     this.#actions.onGrab(index);
@@ -197,9 +209,7 @@ export class CurvePlot {
   }
 
   #double(event) {
-    // The pointer's capture makes the plot the target of a click on a point: looked up by place.
-    const under = document.elementFromPoint(event.clientX, event.clientY);
-    const index = this.#indexOf(under);
+    const index = this.#near(event);
     if (index >= 0) {
       this.#actions.onRemove(index);
     } else {

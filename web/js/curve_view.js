@@ -60,11 +60,10 @@ export class CurveView {
     return bins ? pointsOf(`${scale} ${JSON.stringify(bins)}`, bins, scale) : [];
   }
 
-  /** {albedo, lobe} with another curve over θ_h perhaps; null until all is here. */
-  energy(halfAngle = null) {
+  /** {albedo, lobe}; null until all is here. */
+  energy() {
     if (this.material.model === 'measured' && !this.measuredCurves) return null;
     const bins = Object.fromEntries(kAxes.map((axis) => [axis, this.bins(axis)]));
-    if (halfAngle) bins.half_angle = binsOfCurve(halfAngle);
     return energyOf(this.material, bins, this.measuredCurves?.rest);
   }
 }
