@@ -104,6 +104,10 @@ void VertexMaterials::project_lobe(std::size_t material) {
 void VertexMaterials::describe(const std::string& name, const MaterialEdit& edit,
                                std::vector<std::string>& words) const {
   const std::size_t material = find(name);
+  if (edit.specular || edit.roughness || edit.eta || edit.k || edit.exponent_across ||
+      edit.roughness_across || edit.half_angle || edit.difference_angle || edit.measured) {
+    words.push_back("the edited BRDF of " + name + " (this bake has a colour and a highlight)");
+  }
   if (edit.albedo && *edit.albedo != scene_.materials[material].albedo &&
       scene_.has_interreflection) {
     words.push_back("light from " + name + " to other surfaces keeps the albedo of the bake");

@@ -97,7 +97,7 @@ void Connection::handle(DesignSession& session, std::string_view text) {
   const Clock::time_point now = Clock::now();
   try {
     const ClientMessage message =
-        parse_client_message(text, session.scene().environments, material_names(session.scene()));
+        parse_client_message(text, session.scene().environments, session.materials());
     if (const auto* const edit = std::get_if<Edit>(&message)) {
       session.apply(*this, *edit, now);
     } else if (const auto* const ack = std::get_if<FrameAck>(&message)) {

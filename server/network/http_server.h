@@ -21,7 +21,7 @@ struct NetworkSettings {
   std::chrono::milliseconds stop_deadline{2000};  // for closing handshakes
 };
 
-/// HTTP and WebSocket on one port: the page, /healthz, /readyz, /api/scenes and
+/// HTTP and WebSocket on one port: the page, /healthz, /readyz, /api/scenes, /api/curves and
 /// /sessions/{name}/stream. Its threads read, write and hand over, and never compute.
 class HttpServer {
  public:

@@ -60,6 +60,19 @@ Response serve_file(const Request& request, const StaticFiles::File& file) {
   return response;
 }
 
+Response json_body(const Request& request, http::status status, std::string body) {
+  return make_response(status, request.version(), request.keep_alive(), "application/json",
+                       std::move(body));
+}
+
+Response serve_curves(const Request& request, const SceneCatalog& scenes, std::string_view query) {
+  try {
+    return json_body(request, http::status::ok, scenes.curves(query));
+  } catch (const Error& error) {
+    return json_body(request, http::status::not_found, write_error(error, std::nullopt));
+  }
+}
+
 /// As against a socket that ended.
 bool is_malformed(const beast::error_code& error) {
   return error.category() == http::make_error_code(http::error::bad_value).category() &&
@@ -154,13 +167,16 @@ Response HttpSession::respond(const Request& request) const {
     return response;
   }
   const std::string_view target = view(request.target());
-  const std::string_view path = target.substr(0, target.find('?'));
+  const std::size_t question = target.find('?');
+  const std::string_view path = target.substr(0, question);
   Response response;
   if (path == "/healthz" || path == "/readyz") {
     response = plain(request, http::status::ok, "ok");
   } else if (path == "/api/scenes") {
-    response = make_response(http::status::ok, request.version(), request.keep_alive(),
-                             "application/json", site_.sessions.scenes().to_json());
+    response = json_body(request, http::status::ok, site_.sessions.scenes().to_json());
+  } else if (path == "/api/curves") {
+    response = serve_curves(request, site_.sessions.scenes(),
+                            question < target.size() ? target.substr(question + 1) : "");
   } else if (const StaticFiles::File* const file = site_.files.find(path)) {
     response = serve_file(request, *file);
   } else {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/json_reader.h"
+#include "server/protocol/editable_material.h"
 
 namespace rimlight::server {
 namespace {
@@ -37,7 +38,7 @@ Quaternion read_rotation(const JsonReader& reader) {
 }
 
 Edit read_edit(const JsonReader& message, const std::vector<std::string>& environments,
-               const std::vector<std::string>& materials) {
+               const KnownMaterials& materials) {
   message.allow_only({"type", "id", "rotation", "environment", "exposure", "view", "material"});
   Edit edit;
   edit.id = read_id(message);
@@ -76,7 +77,7 @@ json material_of_welcome(const VertexMaterial& material) {
 
 ClientMessage parse_client_message(std::string_view text,
                                    const std::vector<std::string>& environments,
-                                   const std::vector<std::string>& materials) {
+                                   const KnownMaterials& materials) {
   const json document = parse_json(text, "message");
   const JsonReader message(document, "message");
   static const std::vector<std::string> kTypes{"edit", "frame_ack", "ping"};
@@ -120,7 +121,11 @@ DesignState read_state(const JsonReader& reader) {
   state.exposure_stops = reader.member("exposure").number(-kExposureRange, kExposureRange);
   state.view = read_view(reader.member("view"));
   const JsonReader material = reader.member("material");
-  if (material.member("parameter").members().empty()) return state;
+  const auto is_empty = [&](const char* part) {
+    const auto member = material.optional_member(part);
+    return !member || member->members().empty();
+  };
+  if (is_empty("parameter") && is_empty("curve") && is_empty("load")) return state;
   apply_material(read_material(material, {}), state.materials);
   return state;
 }
@@ -145,6 +150,11 @@ std::string write_welcome(const Welcome& welcome) {
   for (const VertexMaterial& material : welcome.materials) {
     message["materials"].push_back(material_of_welcome(material));
   }
+  message["editable"] = json::array();
+  for (const CurveMaterial& material : welcome.editable) {
+    message["editable"].push_back(editable_to_json(material));
+  }
+  message["measured"] = welcome.measured;
   message["state"] = state_to_json(welcome.state);
   return dump(message);
 }

@@ -11,7 +11,9 @@
 #include "core/base/error.h"
 #include "core/math/camera.h"
 #include "core/relight/design_state.h"
+#include "core/transport/curve_receivers.h"
 #include "core/transport/vertex_transport.h"
+#include "server/protocol/material_edits.h"
 #include "server/protocol/view_edits.h"
 
 namespace rimlight::server {
@@ -67,10 +69,11 @@ using ClientMessage = std::variant<Edit, FrameAck, Ping>;
 /// Reads one text message of a client. Throws Error, where() naming the field: malformed JSON, an
 /// unknown type or field, a rotation that is not finite or cannot be normalised, an environment
 /// that is not among `environments`, an exposure out of range, a view or a material that cannot be
-/// (view_edits.h), an edit that sets nothing. Rotations come back as unit quaternions.
+/// (view_edits.h, material_edits.h), an edit that sets nothing. Rotations come back as unit
+/// quaternions.
 ClientMessage parse_client_message(std::string_view text,
                                    const std::vector<std::string>& environments,
-                                   const std::vector<std::string>& materials = {});
+                                   const KnownMaterials& materials = {});
 
 /// Sets what the edit has. Throws Error, and changes nothing, for a state that grows too large.
 void apply_edit(const Edit& edit, DesignState& state);
@@ -88,6 +91,8 @@ struct Welcome {
   Camera camera;
   bool any_view = false;                  // whether frames follow an edited view
   std::vector<VertexMaterial> materials;  // whose edits frames follow, as they were baked
+  std::vector<CurveMaterial> editable;    // whose BRDFs are edited, as they were baked
+  std::vector<std::string> measured;      // what they may load
   DesignState state;
   Revision revision;
 };

@@ -18,7 +18,11 @@ double milliseconds(Clock::duration duration) {
 
 DesignSession::DesignSession(std::string name, const ServedScene& scene, std::int64_t epoch,
                              const SessionSettings& settings, RenderQueue& queue)
-    : name_(std::move(name)), scene_(scene), settings_(settings), queue_(queue) {
+    : name_(std::move(name)),
+      scene_(scene),
+      materials_(known_materials(scene)),
+      settings_(settings),
+      queue_(queue) {
   state_.environment = scene.environments.front();
   revision_.epoch = epoch;
   idle_since_ = queue.now();
@@ -32,9 +36,9 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
   const std::lock_guard lock(mutex_);
   idle_since_.reset();
   viewers_.push_back({client, kNone, nullptr});
-  client->send_text(
-      write_welcome({name_, scene_.name, scene_.environments, scene_.width, scene_.height,
-                     scene_.camera, scene_.any_view, scene_.materials, state_, revision_}));
+  client->send_text(write_welcome({name_, scene_.name, scene_.environments, scene_.width,
+                                   scene_.height, scene_.camera, scene_.any_view, scene_.materials,
+                                   scene_.editable, materials_.measured, state_, revision_}));
   if (exact_revision_ == revision_.number) {
     if (exact_frame_) {
       offer(viewers_.back(), exact_frame_);

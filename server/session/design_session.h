@@ -39,6 +39,8 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
 
   const std::string& name() const { return name_; }
   const ServedScene& scene() const { return scene_; }
+  /// What edits may name.
+  const KnownMaterials& materials() const { return materials_; }
 
   /// Sends the welcome and, when there is one, the current exact frame.
   void join(const std::shared_ptr<Client>& client, Clock::time_point now);
@@ -88,6 +90,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
 
   const std::string name_;
   const ServedScene& scene_;
+  const KnownMaterials materials_;
   const SessionSettings settings_;
   RenderQueue& queue_;
 

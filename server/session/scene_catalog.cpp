@@ -6,13 +6,36 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "server/protocol/query_string.h"
 
 namespace rimlight::server {
 
-std::vector<std::string> material_names(const ServedScene& scene) {
-  std::vector<std::string> names;
-  for (const VertexMaterial& material : scene.materials) names.push_back(material.name);
-  return names;
+namespace {
+
+/// The one of that name. Throws Error.
+template <typename Named>
+const Named& find_named(const std::vector<Named>& all, const char* what, const std::string& name) {
+  const auto found = std::ranges::find(all, name, &Named::name);
+  if (found != all.end()) return *found;
+  std::string names;
+  for (const Named& one : all) names += " " + quote(one.name);
+  throw Error("URL", std::string("the ") + what + " " + quote(name),
+              all.empty() ? std::string("a scene that has one") : "one of" + names);
+}
+
+}  // namespace
+
+KnownMaterials known_materials(const ServedScene& scene) {
+  KnownMaterials known;
+  for (const VertexMaterial& material : scene.materials) known.names.push_back(material.name);
+  for (const CurveMaterial& material : scene.editable) {
+    known.names.push_back(material.name);
+    known.editable[material.name] =
+        scene.measured.empty() ? curve_axes(material)
+                               : std::vector{CurveAxis::half_angle, CurveAxis::difference_angle};
+  }
+  for (const MeasuredChoice& choice : scene.measured) known.measured.push_back(choice.name);
+  return known;
 }
 
 SceneCatalog::SceneCatalog(std::vector<ServedScene> scenes) : scenes_(std::move(scenes)) {
@@ -42,6 +65,22 @@ std::string SceneCatalog::to_json() const {
   }
   return nlohmann::json{{"scenes", list}}.dump(-1, ' ', false,
                                                nlohmann::json::error_handler_t::replace);
+}
+
+std::string SceneCatalog::curves(std::string_view query) const {
+  const auto parameters = parse_query(query, {"scene", "material", "measured"});
+  const auto of = [&](const char* name) {
+    const auto found = parameters.find(name);
+    return found == parameters.end() ? std::string() : found->second;
+  };
+  const ServedScene* const scene = find(of("scene"));
+  if (scene == nullptr) throw Error("URL", "the scene " + quote(of("scene")), "one of /api/scenes");
+  const CurveMaterial& material = find_named(scene->editable, "editable material", of("material"));
+  const nlohmann::json body =
+      parameters.contains("measured")
+          ? curves_to_json(find_named(scene->measured, "measured BRDF", of("measured")).brdf)
+          : curves_to_json(material);
+  return body.dump();
 }
 
 }  // namespace rimlight::server

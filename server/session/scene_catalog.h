@@ -8,6 +8,8 @@
 
 #include "core/math/camera.h"
 #include "core/transport/vertex_transport.h"
+#include "server/protocol/editable_material.h"
+#include "server/protocol/material_edits.h"
 #include "server/session/frame_source.h"
 
 namespace rimlight::server {
@@ -21,11 +23,14 @@ struct ServedScene {
   Camera camera;
   bool any_view = false;                  // whether frames follow an edited view
   std::vector<VertexMaterial> materials;  // whose edits frames follow, as they were baked
+  std::vector<CurveMaterial> editable;    // whose BRDFs are edited, as they were baked
+  std::vector<MeasuredChoice> measured;   // what they may load
   std::function<std::unique_ptr<FrameSource>()> make_source;
 };
 
-/// The names of a scene's materials.
-std::vector<std::string> material_names(const ServedScene& scene);
+/// What edits of the scene may name. Where it has measured BRDFs, every editable material may have
+/// one, and so curves of both axes.
+KnownMaterials known_materials(const ServedScene& scene);
 
 /// The scenes by name; the first is the default. Immutable after it is made; any thread.
 class SceneCatalog {
@@ -37,6 +42,10 @@ class SceneCatalog {
   const ServedScene* find(std::string_view name) const;
   /// The body of /api/scenes.
   std::string to_json() const;
+  /// The body of /api/curves: the factors of a scene's material as it was baked, or of a measured
+  /// BRDF that it may load. `query` is "scene=NAME&material=NAME" and perhaps "&measured=NAME",
+  /// percent-encoded. Throws Error for a query that cannot be read, and names that are not there.
+  std::string curves(std::string_view query) const;
 
  private:
   std::vector<ServedScene> scenes_;

@@ -17,8 +17,17 @@ export const vertexBake = process.env.RIMLIGHT_VERTEX_BAKE;
 
 /** Resolves to {address, host, port, stop, kill} when the server is ready. */
 export function startServer({ port = 0, bakes = [bake] } = {}) {
-  const child = spawn(program, ['serve', ...bakes, '--port', String(port), '--json',
-    '--web', resolve(root, 'web')], { stdio: ['ignore', 'pipe', 'pipe'] });
+  return started(program, ['serve', ...bakes, '--port', String(port), '--json',
+    '--web', resolve(root, 'web')]);
+}
+
+/** The same page with a scene "curves" whose BRDFs are edited. */
+export function startCurveServer() {
+  return started(required('RIMLIGHT_CURVE_SERVER'), [resolve(root, 'web')]);
+}
+
+function started(command, args) {
+  const child = spawn(command, args, { stdio: ['ignore', 'pipe', 'pipe'] });
   let log = '';
   child.stderr.on('data', (data) => { log += data; });
   const ended = new Promise((done) => child.on('exit', (code, signal) => done({ code, signal })));

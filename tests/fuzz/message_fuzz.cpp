@@ -5,21 +5,25 @@
 
 #include "server/protocol/frame_message.h"
 #include "server/protocol/messages.h"
+#include "server/protocol/query_string.h"
 #include "server/protocol/stream_target.h"
 #include "tests/fuzz/fuzz_target.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace rimlight;
+  static const server::KnownMaterials known{
+      {"brass", "clay"}, {{"brass", {CurveAxis::half_angle}}}, {"gold"}};
   const std::string_view text = fuzz::text_of(data, size);
   fuzz::expect_result_or_error([&] {
     try {
-      server::parse_client_message(text, {"sunny", "studio"}, {"brass", "clay"});
+      server::parse_client_message(text, {"sunny", "studio"}, known);
     } catch (const Error& error) {
       // The reply must be one that can be sent: dump() throws at what is not UTF-8.
       server::write_error(error, server::find_message_id(text));
     }
   });
   fuzz::expect_result_or_error([&] { server::parse_stream_target(text); });
+  fuzz::expect_result_or_error([&] { server::parse_query(text, {"scene", "material"}); });
   return fuzz::expect_result_or_error(
       [&] { server::parse_frame_message(std::span(data, size), "input"); });
 }

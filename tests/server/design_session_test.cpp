@@ -318,7 +318,7 @@ TEST_F(DesignSessionTest, AViewThatFramesDoNotShowIsKeptAndTheFramesSaySo) {
   acknowledge(*client);
   Edit change;
   change.view = Camera{{1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 40};
-  change.materials["brass"] = MaterialEdit{.albedo = {}, .highlight = {}, .exponent = 3};
+  change.materials["brass"].set = MaterialEdit{.albedo = {}, .highlight = {}, .exponent = 3};
   session->apply(*client, change, now);
   EXPECT_EQ(client->texts.back()["state"]["view"]["camera"]["position"], json({1.0, 2.0, 3.0}));
   EXPECT_EQ(client->texts.back()["state"]["material"]["parameter"]["brass"]["exponent"], 3.0);
@@ -335,12 +335,12 @@ TEST_F(DesignSessionTest, AnEditThatMakesTheStateTooLargeIsRefusedWhole) {
   const auto client = join();
   Edit change;
   for (std::size_t i = 0; i < kMostMaterials; ++i) {
-    change.materials["m" + std::to_string(i)] = MaterialEdit{{}, {}, 3};
+    change.materials["m" + std::to_string(i)].set = MaterialEdit{{}, {}, 3};
   }
   session->apply(*client, change, now);
   Edit more;
   more.exposure_stops = 5;
-  more.materials["one"] = MaterialEdit{{}, {}, 3};
+  more.materials["one"].set = MaterialEdit{{}, {}, 3};
   const std::size_t replies = client->texts.size();
   EXPECT_NE(error_of([&] { session->apply(*client, more, now); }), "no error");
   EXPECT_EQ(client->texts.size(), replies);

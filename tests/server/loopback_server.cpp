@@ -9,6 +9,8 @@
 
 #include <fstream>
 
+#include "tests/server/curve_sphere.h"
+
 namespace rimlight::server::test {
 namespace {
 
@@ -20,7 +22,8 @@ const std::filesystem::path& with_page(const std::filesystem::path& folder) {
 }  // namespace
 
 LoopbackServer::LoopbackServer(const Settings& settings)
-    : scenes_({sphere_scene("sphere", settings.width, settings.height, probe_)}),
+    : scenes_({sphere_scene("sphere", settings.width, settings.height, probe_),
+               curve_sphere_scene("curves", 16)}),
       files_(with_page(web_.path())),
       sessions_(scenes_, queue_, settings.sessions),
       http_(settings.network, files_, sessions_),

@@ -11,8 +11,8 @@
 
 namespace rimlight::server::test {
 
-/// A whole server on a free port of 127.0.0.1, with its network and compute threads, serving one
-/// scene "sphere" of closed-form sources. Stops when it goes out of scope.
+/// A whole server on a free port of 127.0.0.1, with its network and compute threads, serving scenes
+/// "sphere" and "curves" of closed-form sources. Stops when it goes out of scope.
 class LoopbackServer {
  public:
   struct Settings {

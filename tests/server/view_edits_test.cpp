@@ -16,9 +16,9 @@ using rimlight::test::error_of;
 using testing::HasSubstr;
 
 const std::vector<std::string> kEnvironments{"day"};
-const std::vector<std::string> kMaterials{"brass", "clay"};
+const KnownMaterials kMaterials{{"brass", "clay"}};
 
-Edit parsed(const std::string& members, const std::vector<std::string>& materials = kMaterials) {
+Edit parsed(const std::string& members, const KnownMaterials& materials = kMaterials) {
   return std::get<Edit>(
       parse_client_message(R"({"type":"edit",)" + members + "}", kEnvironments, materials));
 }
@@ -112,8 +112,8 @@ INSTANTIATE_TEST_SUITE_P(
             "/view/camera/position/2"},
         BadEdit{R"("view":{"camera":{"position":[0,0,1],"target":[0,0,0],"up":[0,1,0],"fov":180}})",
                 "/view/camera/fov"},
-        BadEdit{R"("material":{})", "no \"parameter\""},
-        BadEdit{R"("material":{"parameter":{}})", "1 to 256 materials"},
+        BadEdit{R"("material":{})", "parameter, curve or load"},
+        BadEdit{R"("material":{"parameter":{}})", "of 1 to 256 materials"},
         BadEdit{R"("material":{"parameter":{"gold":null}})", "one of \"brass\" \"clay\""},
         BadEdit{R"("material":{"parameter":{"clay":{}}})", "one or more of albedo"},
         BadEdit{R"("material":{"parameter":{"clay":{"shine":1}}})", "unknown field \"shine\""},
@@ -181,7 +181,7 @@ TEST(ServedVertices, TheirSourceDrawsWhatAVertexRendererDoes) {
   const ServedScene scene = serve_vertices("case", vertices, rimlight::test::kVertexSettings);
   EXPECT_EQ(scene.name, "case");
   EXPECT_TRUE(scene.any_view);
-  EXPECT_EQ(material_names(scene), (std::vector<std::string>{"brass", "enamel", "floor"}));
+  EXPECT_EQ(known_materials(scene).names, (std::vector<std::string>{"brass", "enamel", "floor"}));
   EXPECT_EQ(scene.environments, (std::vector<std::string>{"sky", "dim"}));
   DesignState state;
   state.environment = "dim";

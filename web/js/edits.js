@@ -1,18 +1,32 @@
 const kMostUnacknowledged = 3;
 const kRemembered = 256;
 
-/** Two edits as one; null when they must go one after the other. */
-export function merged(first, second) {
-  const result = { ...first, ...second };
-  if (!first.material || !second.material) return result;
-  const parameter = { ...first.material.parameter };
-  for (const [name, change] of Object.entries(second.material.parameter)) {
+/** Two edits of materials as one; null when they must go one after the other. */
+export function mergedMaterials(first, second) {
+  const [parameter, curve, load] = ['parameter', 'curve', 'load'].map((part) => ({ ...first[part] }));
+  for (const [name, change] of Object.entries(second.parameter ?? {})) {
     if (parameter[name] === null && change !== null) return null; // taken back, then set
     parameter[name] = change && { ...parameter[name], ...change };
     // The exponent came last: together with a lobe it would not be shown.
     if (change && 'exponent' in change && !('lobe' in change)) delete parameter[name].lobe;
+    if (change !== null) continue;
+    delete curve[name]; // all that came before is taken back
+    delete load[name];
   }
-  return { ...result, material: { parameter } };
+  for (const [name, change] of Object.entries(second.curve ?? {})) {
+    curve[name] = { ...curve[name], ...change };
+  }
+  Object.assign(load, second.load);
+  const parts = { parameter, curve, load };
+  return Object.fromEntries(Object.entries(parts).filter(([, part]) => Object.keys(part).length > 0));
+}
+
+/** Two edits as one; null when they must go one after the other. */
+export function merged(first, second) {
+  const result = { ...first, ...second };
+  if (!first.material || !second.material) return result;
+  const material = mergedMaterials(first.material, second.material);
+  return material && { ...result, material };
 }
 
 /**

@@ -1,5 +1,6 @@
 import { Connection } from './connection.js';
 import { Controls } from './controls.js';
+import { CurveEditor } from './curve_editor.js';
 import { Edits } from './edits.js';
 import { Materials } from './materials.js';
 import { Measurements } from './measurements.js';
@@ -27,6 +28,7 @@ const measurements = new Measurements(document);
 const toasts = new Toasts(element('toasts'));
 const controls = new Controls(change);
 const materials = new Materials(change);
+const curves = new CurveEditor({ onChange: change, onDrop: () => adopt(), onError: (text) => toasts.say(text) });
 
 function onGrab(grabbed) {
   element('canvas').classList.toggle('dragging', grabbed);
@@ -68,10 +70,12 @@ function change(part) {
 
 /** Shows the session's state as the server has it, but never against the user's own hand. */
 function adopt() {
-  if (newest === null || trackball.isDragging || orbit.isDragging || edits.isBusy) return;
+  const isHeld = trackball.isDragging || orbit.isDragging || curves.isDragging;
+  if (newest === null || isHeld || edits.isBusy) return;
   trackball.setRotation(newest.state.rotation);
   showView(newest.state.view.camera);
   materials.show(newest.state.material.parameter);
+  curves.show(newest.state.material);
   controls.show(newest.state);
 }
 
@@ -92,6 +96,7 @@ const handlers = {
     if (!message.any_view) element('drag-light').checked = true;
     element('view-help').hidden = !message.any_view;
     materials.setMaterials(message.materials);
+    curves.setScene(message.scene, message.editable, message.measured);
     controls.setEnvironments(message.environments);
     element('scene').textContent = message.scene;
     element('session').textContent = message.session === 'default' ? '' : message.session;

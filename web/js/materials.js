@@ -13,10 +13,10 @@ export function linear(byte) {
   return v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
 }
 
-function toHex(colour) {
+export function toHex(colour) {
   return `#${colour.map((v) => encoded(v).toString(16).padStart(2, '0')).join('')}`;
 }
-function fromHex(text) {
+export function fromHex(text) {
   return [1, 3, 5].map((at) => linear(parseInt(text.slice(at, at + 2), 16)));
 }
 

@@ -139,5 +139,19 @@ TEST(VertexMaterials, ALobeSharperThanTheDegreeIsSaid) {
   EXPECT_THAT(materials.unshown(), ElementsAre(HasSubstr("sharpness of brass")));
 }
 
+TEST(VertexMaterials, EditsOfBrdfsAreKeptAndSaidNotToBeShown) {
+  const VertexScene scene = test::VertexCase().scene;
+  std::vector<MaterialEdit> each(4);
+  each[0].roughness = 0.5;
+  each[1].half_angle = CurveEdit{CurveScale::linear, {{0, {1, 1, 1}}}, {}};
+  each[2].measured = "gold";
+  each[3].k = Vec3f{1, 2, 3};
+  for (const MaterialEdit& edit : each) {
+    VertexMaterials materials(scene, sh::coefficient_count(5));
+    materials.set({{"brass", edit}});
+    EXPECT_THAT(materials.unshown(), ElementsAre(HasSubstr("the edited BRDF of brass")));
+  }
+}
+
 }  // namespace
 }  // namespace rimlight
