@@ -27,11 +27,13 @@ struct ShownView {
         display({scene.width, scene.height}, scene.camera, view.coverage()),
         shadows(*scene.mesh, tree, sun_rays) {}
 
-  void look(const Camera& camera, GBufferDetail detail) {
-    if (view.look(camera, detail)) is_placed = is_traced = false;
-    if (is_placed) return;
-    display.set_view(camera, view.coverage());
+  /// True when anything changed.
+  bool look(const Camera& camera, GBufferDetail detail) {
+    const bool has_changed = view.look(camera, detail);
+    if (has_changed) is_placed = is_traced = false;
+    if (!is_placed) display.set_view(camera, view.coverage());
     is_placed = true;
+    return has_changed;
   }
 
   /// None: no shadows are looked at.
