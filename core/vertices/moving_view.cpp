@@ -1,5 +1,7 @@
 #include "core/vertices/moving_view.h"
 
+#include <algorithm>
+
 #include "core/base/stopwatch.h"
 
 namespace rimlight {
@@ -56,6 +58,10 @@ Display::FillTile MovingView::tiles(const VertexShading& shading) {
     result.square = rate == HighlightRate::every
                         ? shade_tile(shading, left, top, image)
                         : shade_tile(shading, plan_, rate, left, top, image, result.error);
+    if (shown_.view.step() == 2) {
+      result.variation = variation_of(image, std::min(PixelLayout::kTileSide, layout_.width - left),
+                                      std::min(PixelLayout::kTileSide, layout_.height - top));
+    }
     if (deadline_.is_kept()) deadline_.finish_tile(tile, rate);
     return result.square;
   };
@@ -65,13 +71,16 @@ MovingSquares MovingView::finish() {
   if (deadline_.is_kept()) deadline_.finish();
   MovingSquares squares;
   MeasuredError error;
+  TileVariation variation;
   for (const TileResult& result : results_) {
     squares.image += result.square;
     error += result.error;
+    variation += result.variation;
   }
   // Each pixel that a coarse view knows is shown four times.
   const int step = shown_.view.step();
   squares.highlights = error.square_of_all() * step * step;
+  if (step == 2) squares.view = variation.square_of_missing();
   return squares;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/relight/display.h"
+#include "core/vertices/coarse_error.h"
 #include "core/vertices/frame_deadline.h"
 #include "core/vertices/rated_shading.h"
 #include "core/vertices/shown_view.h"
@@ -16,6 +17,9 @@ namespace rimlight {
 struct MovingSquares {
   double image = 0;       // of the surfaces' radiance
   double highlights = 0;  // estimated: of highlights that were interpolated
+  double view = 0;        // estimated: of the pixels that a coarse view did not trace
+
+  double of_time() const { return highlights + view; }
 };
 
 /// How a renderer's moving frames see a scene: one ray a pixel, as much of it as the deadline
@@ -46,6 +50,7 @@ class MovingView {
   struct TileResult {
     double square = 0;
     MeasuredError error;
+    TileVariation variation;
   };
 
   ShownView shown_;

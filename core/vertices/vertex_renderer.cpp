@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "core/base/check.h"
@@ -12,6 +14,7 @@
 #include "core/relight/prepared_environment.h"
 #include "core/relight/shown_environments.h"
 #include "core/vertices/moving_view.h"
+#include "core/vertices/vertex_estimate.h"
 #include "core/vertices/vertex_lights.h"
 #include "core/vertices/vertex_shading.h"
 
@@ -58,6 +61,7 @@ struct VertexRenderer::State {
   ShownView smooth;  // of several
   VertexLighting lighting;
   VertexMaterials materials;
+  VertexEstimator estimator;
   ShownEnvironments environments;
   VertexLights lights;
   std::optional<LitBy> held;
@@ -74,6 +78,7 @@ struct VertexRenderer::State {
         smooth(*scene, tree, {kSmoothPoints.begin(), kSmoothPoints.end()}, kSmoothSunRays),
         lighting(scene->transport),
         materials(*scene, lighting.stride()),
+        estimator(*scene),
         environments(scene->environments),
         lights(light_settings(*scene, settings)),
         diffuse(scene->mesh->positions.size()) {}
@@ -147,6 +152,15 @@ struct VertexRenderer::State {
     return *state.view;
   }
 
+  /// Says it where the bake does, and in moving frames, whose own part is always known.
+  void estimate_error(ShownView& shown, const MovingSquares& squares, FrameReport& report) const {
+    if (!(squares.image > 0) || (report.exact && !estimator.is_known())) return;
+    shown.find_weights(*scene);
+    const double of_bake = estimator.square(shown.weights, materials, turned);
+    report.estimate = std::sqrt((of_bake + squares.of_time()) / squares.image);
+    report.estimate_of_time = std::sqrt(squares.of_time() / squares.image);
+  }
+
   /// A moving frame; `show` makes pixels of tiles and background.
   template <typename Show>
   FrameReport show_moving(const DesignState& state, const Show& show) {
@@ -166,8 +180,10 @@ struct VertexRenderer::State {
     describe(shown.view, report);
     const VertexShading shading = shading_of(shown);
     show(quick.tiles(shading), background(state, rotation));
-    quick.finish();
+    const MovingSquares squares = quick.finish();
     report.display_ms = watch.lap_ms();
+    estimate_error(shown, squares, report);
+    report.estimate_ms = watch.lap_ms();
     return report;
   }
 
@@ -265,11 +281,13 @@ bool VertexRenderer::render_exact(const DesignState& state, Rgb8Image& frame, Fr
     }
     return tiles(tile, image);
   };
-  smooth.display.show(fill, state_->background(state, rotation),
-                      state_->environments.exposure_of(state), state_->drawn);
+  const double norm = smooth.display.show(fill, state_->background(state, rotation),
+                                          state_->environments.exposure_of(state), state_->drawn);
   if (is_abandoned.load()) return false;
   std::swap(frame, state_->drawn);
   report.display_ms = watch.lap_ms();
+  state_->estimate_error(smooth, {.image = norm * norm}, report);
+  report.estimate_ms = watch.lap_ms();
   return true;
 }
 
@@ -279,8 +297,14 @@ void VertexRenderer::render_radiance(const DesignState& state, RgbImage& image,
   RIMLIGHT_CHECK(state_->relight_exactly(state, rotation, report, {}));
   Stopwatch watch;
   ShownView& smooth = state_->smooth;
-  smooth.display.show(state_->tiles_of(smooth), state_->background(state, rotation), image);
+  std::vector<double> squares(PixelLayout{scene().width, scene().height}.tile_count());
+  const auto fill = [&, tiles = state_->tiles_of(smooth)](std::size_t tile, TileImage& part) {
+    return squares[tile] = tiles(tile, part);
+  };
+  smooth.display.show(fill, state_->background(state, rotation), image);
   report.display_ms = watch.lap_ms();
+  const double square = std::accumulate(squares.begin(), squares.end(), 0.0);
+  state_->estimate_error(smooth, {.image = square}, report);
 }
 
 }  // namespace rimlight
