@@ -83,8 +83,10 @@ ServedScene open_scene(const std::filesystem::path& bake_folder, const DrawSetti
   if (bake_kind(bake_folder) == kVertexKind) {
     const auto vertices = std::make_shared<const VertexScene>(
         vertex_scene_of(std::make_shared<const VertexBake>(bake_folder)));
-    VertexRenderer::prepare(*vertices, settings.vertices);
-    return serve_vertices(scene_name(bake_folder), vertices, settings.vertices);
+    VertexSettings of_vertices = settings.vertices;
+    of_vertices.budget = settings.relight.budget;
+    VertexRenderer::prepare(*vertices, of_vertices);
+    return serve_vertices(scene_name(bake_folder), vertices, of_vertices);
   }
   auto bake = std::make_shared<const Bake>(bake_folder);
   FrameRenderer::prepare(*bake, settings.relight);
