@@ -123,6 +123,8 @@ VertexBakeError bake_error_of(const json& settings, const json& measured, const 
                               int degree) {
   constexpr double kCosineSquared = 2 * kPi / 3, kHemisphereSquared = 2 * kPi;
   VertexBakeError error;
+  const json* const asked = member(settings, "error");
+  if (asked != nullptr && is_error(*asked)) error.asked = asked->get<double>();
   const json* const transfer = member(settings, "transfer");
   const bool is_open = transfer != nullptr && *transfer == "unshadowed";
   error.is_known = is_open || number(measured, "visibility", "rms_error").has_value();

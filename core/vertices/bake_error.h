@@ -9,6 +9,7 @@ namespace rimlight {
 /// vertex, by band, [degree + 1] each, over vertices. Empty: nothing is known, or there is none.
 struct VertexBakeError {
   bool is_known = false;
+  double asked = 0;  // the error of a vertex that rays were traced for; 0: unknown
   /// By chance, of each vertex for itself: sampling.
   struct Sampling {
     std::vector<double> matt;        // irradiance of vertices without a highlight

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -47,8 +48,10 @@ struct ShownView {
     is_traced = true;
   }
 
-  void find_weights(const VertexScene& scene) {
-    if (!is_weighed) weights.find(view, *scene.mesh, scene.transport.highlight_count);
+  void find_weights(const VertexScene& scene, std::span<const float> sampling) {
+    if (!is_weighed) {
+      weights.find(view, *scene.mesh, scene.transport.highlight_count, sampling);
+    }
     is_weighed = true;
   }
 };

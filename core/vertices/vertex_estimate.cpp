@@ -7,6 +7,7 @@
 
 #include "core/base/check.h"
 #include "core/basis/sh.h"
+#include "core/vertices/sampling_weights.h"
 
 namespace rimlight {
 namespace {
@@ -58,6 +59,7 @@ double three_j_squared(int a, int b, int c) {
 
 VertexEstimator::VertexEstimator(const VertexScene& scene)
     : error_(scene.error),
+      sampling_(sampling_weights(scene)),
       irradiance_degree_(scene.transport.irradiance_degree),
       visibility_degree_(scene.transport.visibility_degree),
       material_count_(scene.materials.size()),

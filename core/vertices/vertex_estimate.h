@@ -33,6 +33,8 @@ class VertexEstimator {
 
   /// Whether the bake says anything of its error.
   bool is_known() const { return error_.is_known; }
+  /// [vertex], for ViewWeights.
+  std::span<const float> sampling() const { return sampling_; }
   /// The expected square of the picture's error, summed over pixels and channels.
   ///   light  [3][(K + 1)²], at most of kLargestLightDegree
   double square(const ViewWeights& weights, const VertexMaterials& materials,
@@ -46,6 +48,7 @@ class VertexEstimator {
   double of_table(const Table& table, const float* lobe, std::span<const double> powers) const;
 
   VertexBakeError error_;
+  std::vector<float> sampling_;
   int irradiance_degree_, visibility_degree_;
   std::size_t material_count_;
   Table by_chance_, left_out_;  // of highlights

@@ -155,7 +155,7 @@ struct VertexRenderer::State {
   /// Says it where the bake does, and in moving frames, whose own part is always known.
   void estimate_error(ShownView& shown, const MovingSquares& squares, FrameReport& report) const {
     if (!(squares.image > 0) || (report.exact && !estimator.is_known())) return;
-    shown.find_weights(*scene);
+    shown.find_weights(*scene, estimator.sampling());
     const double of_bake = estimator.square(shown.weights, materials, turned);
     report.estimate = std::sqrt((of_bake + squares.of_time()) / squares.image);
     report.estimate_of_time = std::sqrt(squares.of_time() / squares.image);

@@ -27,18 +27,19 @@ class PixelCorners {
     corners_[i].shining += shines ? weight : 0;
   }
 
-  void add_squares(const VertexMesh& mesh, std::size_t highlight_count, double scale,
-                   MaterialWeights* sums) const {
+  void add_squares(const VertexMesh& mesh, std::size_t highlight_count,
+                   std::span<const float> sampling, double scale, MaterialWeights* sums) const {
     if (count_ == 0) return;
     Vec3d all;
     double shining = 0;
     for (std::size_t i = 0; i < count_; ++i) {
       const Corner& corner = corners_[i];
       const Vec3d value = Vec3d(mesh.tints[corner.vertex]) * corner.weight;
+      const double by_chance = scale * static_cast<double>(sampling[corner.vertex]);
       MaterialWeights& to = sums[mesh.materials[corner.vertex]];
       (corner.vertex < highlight_count ? to.glossy_by_chance : to.matt_by_chance) +=
-          value * value * scale;
-      to.highlight_by_chance += corner.shining * corner.shining * scale;
+          value * value * by_chance;
+      to.highlight_by_chance += corner.shining * corner.shining * by_chance;
       all += value;
       shining += corner.shining;
     }
@@ -81,8 +82,8 @@ MaterialWeights& MaterialWeights::operator+=(const MaterialWeights& other) {
   return *this;
 }
 
-void ViewWeights::find(const VertexView& view, const VertexMesh& mesh,
-                       std::size_t highlight_count) {
+void ViewWeights::find(const VertexView& view, const VertexMesh& mesh, std::size_t highlight_count,
+                       std::span<const float> sampling) {
   const bool is_small = view.width() * view.height() <= kSmallPicture;
   const int stride = is_small ? view.step() : kSparse;
   const std::size_t pieces = static_cast<std::size_t>((view.height() + kRows - 1) / kRows);
@@ -92,7 +93,7 @@ void ViewWeights::find(const VertexView& view, const VertexMesh& mesh,
     for (int y = first; y < std::min(first + kRows, view.height()); y += stride) {
       for (int x = 0; x < view.width(); x += stride) {
         corners_of(view, mesh, x, y)
-            .add_squares(mesh, highlight_count, stride * stride,
+            .add_squares(mesh, highlight_count, sampling, stride * stride,
                          rows_.data() + piece * sums_.size());
       }
     }
