@@ -13,6 +13,8 @@ namespace rimlight {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+/// What is spread over a hemisphere is twice as dense there as over the sphere.
+constexpr double kInHemisphere = 2;
 using Powers = std::array<double, sh::kLargestLightDegree + 1>;
 
 /// Σ_m L_lm² of each band; the last one stands for those beyond it.
@@ -120,7 +122,7 @@ double VertexEstimator::square(const ViewWeights& weights, const VertexMaterials
       const double highlight = materials.at(index).highlight[c];
       const float* const lobe = materials.lobe(index);
       sum += highlight * highlight *
-             (of_table(by_chance_, lobe, powers) * of.highlight_by_chance +
+             (kInHemisphere * of_table(by_chance_, lobe, powers) * of.highlight_by_chance +
               of_table(left_out_, lobe, powers) * of.highlight_shared);
     }
   }
