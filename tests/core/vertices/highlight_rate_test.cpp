@@ -22,13 +22,23 @@ struct Planned {
 
   explicit Planned(GBufferDetail detail = GBufferDetail::full)
       : made({.rings = 40, .width = 150, .height = 110}),
-        view(*made.scene.mesh,
+        view(painted(),
              std::make_shared<const TriangleTree>(made.scene.mesh->positions,
                                                   made.scene.mesh->triangles, "case"),
              {150, 110, made.scene.transport.highlight_count, {PixelPoint{}}}),
         plan(*made.scene.mesh, kDegree) {
     view.look(made.scene.camera, detail);
     plan.find(view);
+  }
+  /// Upper halves of the spheres are of another material than lower ones: an edge that nothing but
+  /// the material shows.
+  const VertexMesh& painted() {
+    auto mesh = std::make_shared<VertexMesh>(*made.scene.mesh);
+    for (std::size_t v = 0; v < made.scene.transport.highlight_count; ++v) {
+      mesh->materials[v] = mesh->positions[v].y > 0.05f ? 1 : 0;
+    }
+    made.scene.mesh = mesh;
+    return *made.scene.mesh;
   }
   const VertexMesh& mesh() const { return *made.scene.mesh; }
   std::uint32_t material(int x, int y) const {
@@ -88,6 +98,7 @@ TEST(HighlightPlan, NeverReachesAcrossAnEdge) {
         EXPECT_EQ(planned.material(one.x, one.y), planned.material(x, y));
         EXPECT_GE(dot(planned.view.mirrored(0, x, y), planned.view.mirrored(0, one.x, one.y)),
                   least - 1e-6f);
+        EXPECT_NEAR(planned.view.distance(0, one.x, one.y), planned.view.distance(0, x, y), 0.3);
         // What is evaluated is on the grid itself.
         EXPECT_EQ(planned.plan.corners(rate, one.x, one.y), 0);
       }
