@@ -11,9 +11,9 @@ namespace rimlight {
 namespace {
 
 /// Mirrored directions this far apart (radians), times the degree and one, are like: at degree 10
-/// 26°, normals 13° apart. On a mesh with a vertex for every pixel or two, half of that leaves half
-/// of the pixels without a neighbour, a third as much error, and a frame no faster.
-constexpr double kLikeAngle = 5.0;
+/// 31°, normals 16° apart. On a mesh with a vertex for every pixel or two, a third of that leaves
+/// half of the pixels without a neighbour: a third of the error, and a frame no faster.
+constexpr double kLikeAngle = 6.0;
 /// How much depth may change along a surface: as at 83° from facing the eye.
 constexpr double kSteepest = 8;
 

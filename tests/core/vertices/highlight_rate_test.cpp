@@ -81,7 +81,7 @@ TEST(HighlightPlan, WeightsOfCornersAreBilinearAndReproduceAPlane) {
 
 TEST(HighlightPlan, NeverReachesAcrossAnEdge) {
   const Planned planned;
-  const float least = std::cos(5.0f / (kDegree + 1));
+  const float least = std::cos(6.0f / (kDegree + 1));
   std::size_t corners = 0, evaluated = 0;
   planned.for_each_shining([&](int x, int y) {
     for (const HighlightRate rate : kCoarse) {
