@@ -28,6 +28,35 @@ struct Scratch {
   }
 };
 
+/// grid_weights() of every place in a cell and every set of corners, looked up.
+class CellWeights {
+ public:
+  static const CellWeights& all() {
+    static const CellWeights weights;
+    return weights;
+  }
+  const std::array<float, 4>& of(int spacing, int u, int v, GridCorners corners) const {
+    const auto cell = static_cast<std::size_t>((spacing == 4 ? 16 : 0) + 4 * v + u);
+    return weights_[16 * cell + corners];
+  }
+
+ private:
+  CellWeights() {
+    for (const int spacing : {2, 4}) {
+      for (int place = 0; place < spacing * spacing; ++place) {
+        const int u = place % spacing, v = place / spacing;
+        for (int corners = 1; corners < 16; ++corners) {
+          const auto bits = static_cast<GridCorners>(corners);
+          const auto found = grid_weights(u, v, spacing, bits);
+          auto& to = weights_[static_cast<std::size_t>(&of(spacing, u, v, bits) - weights_.data())];
+          for (std::size_t i = 0; i < 4; ++i) to[i] = found[i].weight;
+        }
+      }
+    }
+  }
+  std::array<std::array<float, 4>, 32 * 16> weights_{};
+};
+
 class RatedTile {
  public:
   RatedTile(const VertexShading& shading, const HighlightPlan& plan, HighlightRate rate, int left,
@@ -88,9 +117,10 @@ class RatedTile {
   void evaluate_block(int left, int top, int side) {
     for (int y = top; y < std::min(top + side, height_); y += step_) {
       for (int x = left; x < std::min(left + side, width_); x += step_) {
-        if (!is_shining(x, y)) continue;
+        // Most pixels are interpolated: that is known without a look at the surface.
         const bool is_interpolated = corners_at(x, y) != 0;
         if (is_interpolated && !HighlightPlan::is_sample(left_ + x, top_ + y)) continue;
+        if (!is_shining(x, y)) continue;
         add(x, y, is_interpolated);
       }
     }
@@ -134,9 +164,15 @@ class RatedTile {
   }
 
   Vec3f mixed(int x, int y, GridCorners corners) const {
+    const int u = x % spacing_, v = y % spacing_;
+    const auto& weights = weights_.of(spacing_, u, v, corners);
+    const std::size_t first = at(x - u, y - v);
+    const auto right = static_cast<std::size_t>(spacing_), below = right * kReach;
+    const std::array<std::size_t, 4> places{first, first + right, first + below,
+                                            first + below + right};
     Vec3f sum;
-    for (const GridWeight& corner : grid_weights(x, y, spacing_, corners)) {
-      if (corner.weight > 0) sum += scratch_.known[at(corner.x, corner.y)] * corner.weight;
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (weights[i] > 0) sum += scratch_.known[places[i]] * weights[i];
     }
     return sum;
   }
@@ -156,6 +192,7 @@ class RatedTile {
   int left_, top_, step_, spacing_, width_, height_;
   HighlightBatch& batch_;
   Scratch& scratch_;
+  const CellWeights& weights_ = CellWeights::all();
 };
 
 }  // namespace
