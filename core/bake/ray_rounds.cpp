@@ -58,6 +58,17 @@ double ReplicateMean::mean(std::size_t i) const {
   return sum / kReplicates;
 }
 
+double ReplicateMean::error_squared(std::size_t i) const {
+  const double middle = mean(i);
+  double squares = 0;
+  for (std::size_t r = 0; r < kReplicates; ++r) {
+    const double difference = sums_[r * coefficients() + i] - middle;
+    squares += difference * difference;
+  }
+  constexpr double kOfMean = kReplicates * (kReplicates - 1);
+  return squares / kOfMean;
+}
+
 double ReplicateMean::error() const {
   double squares = 0;
   for (std::size_t i = 0; i < coefficients(); ++i) {

@@ -49,6 +49,8 @@ class ReplicateMean {
   double mean(std::size_t i) const;
   /// Root mean square over the coefficients of the standard error of the mean.
   double error() const;
+  /// The square of the standard error of one coefficient's mean.
+  double error_squared(std::size_t i) const;
 
  private:
   std::size_t coefficients() const { return sums_.size() / kReplicates; }

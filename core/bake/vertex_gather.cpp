@@ -164,11 +164,14 @@ Gathered gather(const RayScene& scene, const VertexMesh& mesh,
     counter.add_one();
   });
   Gathered result;
+  double squares = 0;
   for (const TracedRow& row : rows) {
     result.rays += row.rays;
     result.capped_vertices += row.error > settings.error ? 1 : 0;
     result.worst_error = std::max(result.worst_error, row.error);
+    squares += row.error * row.error;
   }
+  if (vertices > 0) result.rms_error = std::sqrt(squares / static_cast<double>(vertices));
   result.matrix = matrix_of(std::move(rows));
   return result;
 }

@@ -29,6 +29,7 @@ struct Gathered {
   std::size_t rays = 0;
   std::size_t capped_vertices = 0;  // whose error stayed above the one asked for
   double worst_error = 0;           // of a vertex' indirect light, first bounce
+  double rms_error = 0;             // over all vertices
 };
 
 /// Rays by the cosine from every vertex that is not open to the whole sky (blocked[vertex] > 0), in

@@ -160,6 +160,10 @@ class VertexCalculation {
         {"rays", rays},
         {"rms_error", std::sqrt(squares / static_cast<double>(found.error.size()))},
         {"worst_error", worst},
+        {"rms_by_band",
+         {{"irradiance", found.rms_by_band.irradiance},
+          {"irradiance_beside_highlight", found.rms_by_band.irradiance_beside_highlight},
+          {"visibility", found.rms_by_band.visibility}}},
         {"vertices_at_most_rays", capped}};
     result_.rays += rays;
     result_.capped_vertices = capped;
@@ -168,6 +172,7 @@ class VertexCalculation {
 
   void measure(const Gathered& gathered) {
     measured()["indirect"] = {{"rays", gathered.rays},
+                              {"rms_error", gathered.rms_error},
                               {"worst_error", gathered.worst_error},
                               {"vertices_at_most_rays", gathered.capped_vertices}};
     result_.rays += gathered.rays;

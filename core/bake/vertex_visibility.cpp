@@ -97,7 +97,11 @@ class Tracer {
         cosine_(sh::clamped_cosine_lobe(settings.degree)),
         hemisphere_(hemisphere_lobe(settings.degree)),
         blocked_rays_(settings.degree, signals_),
-        sums_(signals_ * coefficients_) {}
+        sums_(signals_ * coefficients_),
+        squares_(signals_ * coefficients_) {}
+
+  /// [signal][coefficients], summed over the vertices so far: of their errors.
+  const std::vector<double>& squares() const { return squares_; }
 
   void trace(std::size_t vertex, VertexVisibility& result) {
     int s = first_round(settings_);
@@ -113,6 +117,7 @@ class Tracer {
       }
       s = next;
     }
+    add_squares();
     store(cosine_, vertex, 0, result.irradiance);
     if (has_highlight_) store(hemisphere_, vertex, coefficients_, result.visibility);
   }
@@ -167,6 +172,10 @@ class Tracer {
     return blocked;
   }
 
+  void add_squares() {
+    for (std::size_t i = 0; i < squares_.size(); ++i) squares_[i] += sums_.error_squared(i);
+  }
+
   void store(const sh::ZonalLobe& lobe, std::size_t vertex, std::size_t first,
              std::vector<float>& result) const {
     const std::vector<double> whole = sh::turned_lobe(lobe, Vec3d(mesh_.normals[vertex]));
@@ -184,12 +193,47 @@ class Tracer {
   sh::ZonalLobe cosine_, hemisphere_;
   BlockedRays blocked_rays_;
   ReplicateMean sums_;
+  std::vector<double> squares_;
   Vec3f origin_;
   SkyRays rays_;
   std::array<std::uint8_t, SkyRays::kCapacity> visible_{};
   std::array<double, SkyRays::kCapacity> cosines_{};
   std::array<Vec3d, SkyRays::kCapacity> directions_{};
 };
+
+/// Adds to sums by band, [degree + 1], those of coefficients.
+void add_bands(std::span<const double> coefficients, std::vector<double>& bands) {
+  for (std::size_t i = 0; i < coefficients.size(); ++i) {
+    bands[static_cast<std::size_t>(sh::degree_of(i))] += coefficients[i];
+  }
+}
+
+/// Root mean squares over so many vertices, from sums over them.
+void average(std::size_t vertices, std::vector<double>& bands) {
+  for (std::size_t l = 0; l < bands.size(); ++l) {
+    const auto count = static_cast<double>(vertices * (2 * l + 1));
+    bands[l] = count > 0 ? std::sqrt(bands[l] / count) : 0;
+  }
+}
+
+VertexVisibility::ByBand by_band(const std::vector<std::vector<double>>& matt,
+                                 const std::vector<std::vector<double>>& glossy,
+                                 std::size_t matt_count, std::size_t glossy_count, int degree) {
+  const std::vector<double> none(static_cast<std::size_t>(degree) + 1);
+  VertexVisibility::ByBand bands{none, none, none};
+  const std::size_t coefficients = sh::coefficient_count(degree);
+  for (std::size_t batch = 0; batch < matt.size(); ++batch) {
+    add_bands(matt[batch], bands.irradiance);
+    if (glossy[batch].empty()) continue;
+    const std::span<const double> both(glossy[batch]);
+    add_bands(both.first(coefficients), bands.irradiance_beside_highlight);
+    add_bands(both.subspan(coefficients), bands.visibility);
+  }
+  average(matt_count, bands.irradiance);
+  average(glossy_count, bands.irradiance_beside_highlight);
+  average(glossy_count, bands.visibility);
+  return bands;
+}
 
 }  // namespace
 
@@ -231,6 +275,8 @@ VertexVisibility shadowed_visibility(const RayScene& scene, const VertexMesh& me
   result.blocked.resize(vertices);
   result.error.resize(vertices);
   ShareCounter counter(batch_count(vertices), done);
+  // Of errors, batch by batch, so that their sums do not depend on threads.
+  std::vector<std::vector<double>> matt(batch_count(vertices)), glossy(batch_count(vertices));
   parallel_for(batch_count(vertices), [&](std::size_t batch) {
     const std::size_t first = batch * kBatchVertices;
     const std::size_t last = std::min(vertices, first + kBatchVertices);
@@ -238,13 +284,17 @@ VertexVisibility shadowed_visibility(const RayScene& scene, const VertexMesh& me
     if (first < middle) {
       const auto tracer = std::make_unique<Tracer>(scene, mesh, settings, true);
       for (std::size_t vertex = first; vertex < middle; ++vertex) tracer->trace(vertex, result);
+      glossy[batch] = tracer->squares();
     }
     if (middle < last) {
       const auto tracer = std::make_unique<Tracer>(scene, mesh, settings, false);
       for (std::size_t vertex = middle; vertex < last; ++vertex) tracer->trace(vertex, result);
+      matt[batch] = tracer->squares();
     }
     counter.add_one();
   });
+  result.rms_by_band =
+      by_band(matt, glossy, vertices - highlight_count, highlight_count, settings.degree);
   return result;
 }
 

@@ -19,6 +19,12 @@ struct VertexVisibility {
   std::vector<std::uint32_t> rays;     // of the last round
   std::vector<std::uint32_t> blocked;  // of these
   std::vector<float> error;            // estimated, of the worse of the two
+  /// Root mean squares of a coefficient's error over vertices, by band, as replicates say.
+  struct ByBand {
+    std::vector<double> irradiance;                   // of vertices without a highlight
+    std::vector<double> irradiance_beside_highlight;  // of those with one
+    std::vector<double> visibility;                   // of those with one
+  } rms_by_band;
 };
 
 /// Told, from any thread but one at a time, the share of the work that is done.

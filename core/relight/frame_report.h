@@ -21,8 +21,8 @@ struct FrameReport {
   /// the mean by their energies. 0 when exact.
   double residual = 0;
   /// Estimated relative L2 error of the image, linear radiance, compression included (see
-  /// ErrorEstimator): of this frame, or of one a few frames ago where time is short. Nothing for a
-  /// black image, or where none is made.
+  /// ErrorEstimator; of vertices VertexEstimator and MovingSquares): of this frame, or of one a few
+  /// frames ago where time is short. Nothing for a black image, or where none is made.
   std::optional<double> estimate;
   std::optional<double> estimate_of_time;  // the part of it that time will mend
   double rotate_ms = 0;                    // light rotation and its transform

@@ -27,6 +27,11 @@ std::span<const std::uint32_t> VertexLighting::take_missing(std::span<const std:
   return missing_;
 }
 
+std::size_t VertexLighting::missing(std::span<const std::uint32_t> highlight_vertices) const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      highlight_vertices, [this](std::uint32_t vertex) { return has_incident_[vertex] == 0; }));
+}
+
 void VertexLighting::light(std::span<const std::uint32_t> vertices,
                            std::span<const std::uint32_t> highlight_vertices) {
   selection_.select_vertices(take_missing(vertices, has_irradiance_));

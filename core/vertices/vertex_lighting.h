@@ -27,6 +27,9 @@ class VertexLighting {
   void light(std::span<const std::uint32_t> vertices,
              std::span<const std::uint32_t> highlight_vertices);
 
+  /// Of these, which have a highlight, how many's arriving light is not calculated yet.
+  std::size_t missing(std::span<const std::uint32_t> highlight_vertices) const;
+
   const Vec3f& irradiance(std::uint32_t vertex) const { return irradiance_[vertex]; }
   /// The product of light and visibility: [3][stride()], 64-byte aligned, zeros at the end.
   const float* incident(std::uint32_t vertex) const {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "core/base/check.h"
@@ -10,9 +12,9 @@
 #include "core/image/metrics.h"
 #include "core/relight/display.h"
 #include "core/relight/prepared_environment.h"
-#include "core/relight/recent_times.h"
 #include "core/relight/shown_environments.h"
-#include "core/vertices/shown_view.h"
+#include "core/vertices/moving_view.h"
+#include "core/vertices/vertex_estimate.h"
 #include "core/vertices/vertex_lights.h"
 #include "core/vertices/vertex_shading.h"
 
@@ -55,26 +57,28 @@ struct VertexRenderer::State {
   std::shared_ptr<const VertexScene> scene;
   VertexSettings settings;
   std::shared_ptr<const TriangleTree> tree;
-  ShownView quick, smooth;  // of one point a pixel, and of several
+  MovingView quick;  // of one point a pixel
+  ShownView smooth;  // of several
   VertexLighting lighting;
   VertexMaterials materials;
+  VertexEstimator estimator;
   ShownEnvironments environments;
   VertexLights lights;
   std::optional<LitBy> held;
   std::vector<float> turned;
   std::optional<Sun> sun;      // turned as well, where it is apart
   std::vector<Vec3f> diffuse;  // [vertex]
-  RecentTimes viewing;         // what whole views took
   Rgb8Image drawn;             // an exact frame, until it is known that nobody abandons it
 
   State(std::shared_ptr<const VertexScene> scene_, const VertexSettings& settings_)
       : scene(checked(std::move(scene_))),
         settings(settings_),
         tree(tree_of(*scene)),
-        quick(*scene, tree, {PixelPoint{}}, 1),
+        quick(*scene, tree, settings.budget, settings.view_ms),
         smooth(*scene, tree, {kSmoothPoints.begin(), kSmoothPoints.end()}, kSmoothSunRays),
         lighting(scene->transport),
         materials(*scene, lighting.stride()),
+        estimator(*scene),
         environments(scene->environments),
         lights(light_settings(*scene, settings)),
         diffuse(scene->mesh->positions.size()) {}
@@ -96,12 +100,12 @@ struct VertexRenderer::State {
     held = wanted;
   }
 
-  /// The light of what the view needs, from it the vertices' diffuse radiance, and who sees the
-  /// sun.
-  void light_view(ShownView& shown) {
+  /// The light of what the view needs, the arriving one of some of it; from it the vertices'
+  /// diffuse radiance, and who sees the sun.
+  void light_view(ShownView& shown, std::span<const std::uint32_t> highlight_vertices) {
     shown.find_shadows(sun);
     const VertexView& view = shown.view;
-    lighting.light(view.vertices(), view.highlight_vertices());
+    lighting.light(view.vertices(), highlight_vertices);
     const VertexMesh& mesh = *scene->mesh;
     for (const std::uint32_t vertex : view.vertices()) {
       const Vec3f& albedo = materials.at(mesh.materials[vertex]).albedo;
@@ -110,36 +114,23 @@ struct VertexRenderer::State {
     }
   }
 
-  /// How much of a new view a frame in motion traces.
-  GBufferDetail moving_detail(const Camera& camera) const {
-    if (quick.view.detail_of(camera) != GBufferDetail::none) return GBufferDetail::full;
-    const bool too_long = settings.view_ms <= 0 || viewing.typical_ms() > settings.view_ms;
-    return too_long ? GBufferDetail::coarse : GBufferDetail::full;
+  VertexShading shading_of(const ShownView& shown) const {
+    return {*scene->mesh,
+            shown.view,
+            diffuse,
+            lighting,
+            materials,
+            scene->transport.visibility_degree,
+            sun ? &*sun : nullptr,
+            shown.shadows};
   }
 
-  void look_moving(const Camera& camera) {
-    const GBufferDetail known = quick.view.detail_of(camera);
-    const GBufferDetail detail = moving_detail(camera);
-    const Stopwatch watch;
-    quick.look(camera, detail);
-    if (known == GBufferDetail::none && detail == GBufferDetail::full) {
-      viewing.add(watch.elapsed_ms());
-    }
-  }
-
+  /// At full rate.
   Display::FillTile tiles_of(const ShownView& shown) const {
     return [this, &shown](std::size_t tile, TileImage& image) {
-      const VertexShading shading{*scene->mesh,
-                                  shown.view,
-                                  diffuse,
-                                  lighting,
-                                  materials,
-                                  scene->transport.visibility_degree,
-                                  sun ? &*sun : nullptr,
-                                  shown.shadows};
       const auto [left, top] =
           PixelLayout{scene->width, scene->height}.pixel(tile * kTileReceivers);
-      return shade_tile(shading, left, top, image);
+      return shade_tile(shading_of(shown), left, top, image);
     };
   }
 
@@ -161,6 +152,41 @@ struct VertexRenderer::State {
     return *state.view;
   }
 
+  /// Says it where the bake does, and in moving frames, whose own part is always known.
+  void estimate_error(ShownView& shown, const MovingSquares& squares, FrameReport& report) const {
+    if (!(squares.image > 0) || (report.exact && !estimator.is_known())) return;
+    shown.find_weights(*scene, estimator.sampling());
+    const double of_bake = estimator.square(shown.weights, materials, turned);
+    report.estimate = std::sqrt((of_bake + squares.of_time()) / squares.image);
+    report.estimate_of_time = std::sqrt(squares.of_time() / squares.image);
+  }
+
+  /// A moving frame; `show` makes pixels of tiles and background.
+  template <typename Show>
+  FrameReport show_moving(const DesignState& state, const Show& show) {
+    const Quaternion rotation = checked_rotation(state);
+    const Camera& camera = camera_of(state);
+    materials.set(state.materials);
+    FrameReport report;
+    Stopwatch watch;
+    quick.start();
+    hold(state.environment, rotation);
+    report.rotate_ms = watch.lap_ms();
+    quick.look(camera);
+    ShownView& shown = quick.shown();
+    light_view(shown, quick.choose_vertices(lighting));
+    quick.lit();
+    report.update_ms = watch.lap_ms();
+    describe(shown.view, report);
+    const VertexShading shading = shading_of(shown);
+    show(quick.tiles(shading), background(state, rotation));
+    const MovingSquares squares = quick.finish();
+    report.display_ms = watch.lap_ms();
+    estimate_error(shown, squares, report);
+    report.estimate_ms = watch.lap_ms();
+    return report;
+  }
+
   /// All that an exact frame is made of, in the smooth view; false when abandoned.
   bool relight_exactly(const DesignState& state, const Quaternion& rotation, FrameReport& report,
                        const std::function<bool()>& abandon) {
@@ -175,7 +201,7 @@ struct VertexRenderer::State {
     if (abandoned()) return false;
     smooth.look(camera, GBufferDetail::full);
     if (abandoned()) return false;
-    light_view(smooth);
+    light_view(smooth, smooth.view.highlight_vertices());
     report.update_ms = watch.lap_ms();
     describe(smooth.view, report);
     return !abandoned();
@@ -205,11 +231,12 @@ void VertexRenderer::add_environment(std::shared_ptr<const Environment> environm
   state.environment = name;
   state_->materials.set({});
   state_->hold(name, {});
-  state_->quick.look(state_->scene->camera, GBufferDetail::full);
-  state_->light_view(state_->quick);
-  const auto fill = state_->tiles_of(state_->quick);
+  ShownView& quick = state_->quick.shown();
+  state_->quick.look_whole(state_->scene->camera);
+  state_->light_view(quick, quick.view.highlight_vertices());
+  const auto fill = state_->tiles_of(quick);
   const PixelLayout pixels{state_->scene->width, state_->scene->height};
-  const auto coverage = state_->quick.view.coverage();
+  const auto coverage = quick.view.coverage();
   std::vector<Vec3f> covered;
   TileImage image;
   for (std::size_t tile = 0; tile < pixels.tile_count(); ++tile) {
@@ -227,22 +254,16 @@ void VertexRenderer::add_environment(std::shared_ptr<const Environment> environm
 }
 
 FrameReport VertexRenderer::render_moving(const DesignState& state, Rgb8Image& frame) {
-  const Quaternion rotation = checked_rotation(state);
-  const Camera& camera = state_->camera_of(state);
-  state_->materials.set(state.materials);
-  FrameReport report;
-  Stopwatch watch;
-  state_->hold(state.environment, rotation);
-  report.rotate_ms = watch.lap_ms();
-  state_->look_moving(camera);
-  ShownView& quick = state_->quick;
-  state_->light_view(quick);
-  report.update_ms = watch.lap_ms();
-  state_->describe(quick.view, report);
-  quick.display.show(state_->tiles_of(quick), state_->background(state, rotation),
-                     state_->environments.exposure_of(state), frame);
-  report.display_ms = watch.lap_ms();
-  return report;
+  return state_->show_moving(state, [&](const auto& tiles, const auto& background) {
+    state_->quick.shown().display.show(tiles, background, state_->environments.exposure_of(state),
+                                       frame);
+  });
+}
+
+FrameReport VertexRenderer::render_moving(const DesignState& state, RgbImage& image) {
+  return state_->show_moving(state, [&](const auto& tiles, const auto& background) {
+    state_->quick.shown().display.show(tiles, background, image);
+  });
 }
 
 bool VertexRenderer::render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
@@ -260,11 +281,13 @@ bool VertexRenderer::render_exact(const DesignState& state, Rgb8Image& frame, Fr
     }
     return tiles(tile, image);
   };
-  smooth.display.show(fill, state_->background(state, rotation),
-                      state_->environments.exposure_of(state), state_->drawn);
+  const double norm = smooth.display.show(fill, state_->background(state, rotation),
+                                          state_->environments.exposure_of(state), state_->drawn);
   if (is_abandoned.load()) return false;
   std::swap(frame, state_->drawn);
   report.display_ms = watch.lap_ms();
+  state_->estimate_error(smooth, {.image = norm * norm}, report);
+  report.estimate_ms = watch.lap_ms();
   return true;
 }
 
@@ -274,8 +297,14 @@ void VertexRenderer::render_radiance(const DesignState& state, RgbImage& image,
   RIMLIGHT_CHECK(state_->relight_exactly(state, rotation, report, {}));
   Stopwatch watch;
   ShownView& smooth = state_->smooth;
-  smooth.display.show(state_->tiles_of(smooth), state_->background(state, rotation), image);
+  std::vector<double> squares(PixelLayout{scene().width, scene().height}.tile_count());
+  const auto fill = [&, tiles = state_->tiles_of(smooth)](std::size_t tile, TileImage& part) {
+    return squares[tile] = tiles(tile, part);
+  };
+  smooth.display.show(fill, state_->background(state, rotation), image);
   report.display_ms = watch.lap_ms();
+  const double square = std::accumulate(squares.begin(), squares.end(), 0.0);
+  state_->estimate_error(smooth, {.image = square}, report);
 }
 
 }  // namespace rimlight

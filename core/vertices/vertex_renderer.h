@@ -8,6 +8,7 @@
 #include "core/image/image.h"
 #include "core/relight/design_state.h"
 #include "core/relight/frame_report.h"
+#include "core/relight/frame_update.h"
 #include "core/scene/g_buffer.h"
 #include "core/vertices/vertex_light.h"
 #include "core/vertices/vertex_scene.h"
@@ -27,8 +28,12 @@ struct VertexSettings {
   /// Without one a small bright light, cut off after the transport's degree, leaves black rings
   /// about its highlights; a fitted one blurs each light by no more than that takes.
   LightWindow window = LightWindow::fitted;
-  /// A frame in motion of a new view is coarse, every second pixel both ways, where the whole one
-  /// takes longer than this; 0: always.
+  /// Of a moving frame: milliseconds are for all of it, up to its pixels (see FrameDeadline for
+  /// what cannot be shortened). Coefficients and bytes do not bind: every frame is lit by all
+  /// coefficients of the light.
+  FrameBudget budget = {};
+  /// Without a deadline, a frame in motion of a new view is coarse, every second pixel both ways,
+  /// where the whole one takes longer than this; 0: always.
   double view_ms = 25;
   /// Another way for the sun than the scene asks for.
   std::optional<SunLight> sun = std::nullopt;
@@ -67,8 +72,10 @@ class VertexRenderer {
   /// is found as a bake finds it, in the scene's own camera.
   void add_environment(std::shared_ptr<const Environment> environment);
 
-  /// A frame of one ray through each pixel, or each fourth pixel.
+  /// A frame of one ray through each pixel, or each fourth pixel, within the budget.
   FrameReport render_moving(const DesignState& state, Rgb8Image& frame);
+  /// The same as linear radiance, composited, before exposure and tone mapping.
+  FrameReport render_moving(const DesignState& state, RgbImage& image);
 
   /// The exact frame: four rays through each pixel; the same bytes for the same state, whatever
   /// came before. `abandon` is asked between steps and tiles, from several threads at once; when it

@@ -115,6 +115,9 @@ VertexScene vertex_scene_of(std::shared_ptr<const VertexBake> bake) {
                                   : scene.transport.irradiance_channels == 3;
   const auto sun = bake->settings().find("sun");
   if (sun != bake->settings().end() && *sun == "directional") scene.sun = SunLight::directional;
+  scene.error =
+      bake_error_of(bake->settings(), bake->measured(), bake->left_out(),
+                    std::max(scene.transport.irradiance_degree, scene.transport.visibility_degree));
   scene.memory = std::move(bake);
   scene.tree = std::make_shared<const TriangleTree>(scene.mesh->positions, scene.mesh->triangles,
                                                     scene.name);

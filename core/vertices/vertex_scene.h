@@ -10,6 +10,7 @@
 #include "core/transport/bake_folder.h"
 #include "core/transport/vertex_bake.h"
 #include "core/transport/vertex_transport.h"
+#include "core/vertices/bake_error.h"
 
 namespace rimlight {
 
@@ -27,6 +28,7 @@ struct VertexScene {
   /// edited one.
   bool has_interreflection = false;
   SunLight sun = SunLight::harmonics;
+  VertexBakeError error;
   std::shared_ptr<const void> memory;  // of the transport's views
   /// The mesh for rays, shared by all who show the scene; each makes its own without one.
   std::shared_ptr<const TriangleTree> tree;

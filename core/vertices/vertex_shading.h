@@ -29,4 +29,8 @@ struct VertexShading {
 /// thread's first tile.
 double shade_tile(const VertexShading& shading, int left, int top, TileImage& image);
 
+/// The pixels of even x and y to the three beside and below: what a coarse view shows.
+void spread_known(TileImage& image);
+double sum_of_squares(const TileImage& image);
+
 }  // namespace rimlight

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <numbers>
 
 #include "core/base/parallel.h"
 
@@ -15,6 +17,7 @@ constexpr float kLeastSquare = 1e-12f;
 
 /// What is at a hit.
 struct SurfacePoint {
+  Vec3f position;
   Vec3f normal;  // interpolated, not unit
   bool from_behind = false;
 };
@@ -22,6 +25,8 @@ struct SurfacePoint {
 SurfacePoint surface_at(const VertexMesh& mesh, const PrimaryHit& hit, const Vec3f& way) {
   const auto& [a, b, c] = mesh.triangles[hit.triangle];
   SurfacePoint point;
+  point.position = mesh.positions[a] * (1 - hit.u - hit.v) + mesh.positions[b] * hit.u +
+                   mesh.positions[c] * hit.v;
   point.normal =
       mesh.normals[a] * (1 - hit.u - hit.v) + mesh.normals[b] * hit.u + mesh.normals[c] * hit.v;
   // The side is the triangle's: at a silhouette an interpolated normal may look away from the eye.
@@ -43,13 +48,19 @@ VertexView::VertexView(const VertexMesh& mesh, std::shared_ptr<const TriangleTre
   const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   for (const PixelPoint& point : settings.points) {
     layers_.push_back({GBuffer(tree, width_, height_, point),
-                       std::vector<Vec3f>(highlight_count_ > 0 ? pixels : 0)});
+                       std::vector<Vec3f>(highlight_count_ > 0 ? pixels : 0),
+                       std::vector<float>(highlight_count_ > 0 ? pixels : 0)});
   }
   coverage_.resize(pixels);
 }
 
 GBufferDetail VertexView::detail_of(const Camera& camera) const {
   return camera == camera_ ? detail_ : GBufferDetail::none;
+}
+
+double VertexView::depth_of_pixel() const {
+  const double half = 0.5 * camera_.vertical_field_of_view_degrees * std::numbers::pi / 180;
+  return 2 * std::tan(half) / height_;
 }
 
 bool VertexView::look(const Camera& camera, GBufferDetail detail) {
@@ -104,6 +115,7 @@ VertexView::Counts VertexView::read_row(Layer& layer, const CameraRays& rays, in
       continue;
     }
     layer.mirrored[index(x, y)] = way - surface.normal * (2 * dot(way, surface.normal) / square);
+    layer.distances[index(x, y)] = dot(surface.position - Vec3f(camera_.position), way);
   }
   return counts;
 }

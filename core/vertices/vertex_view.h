@@ -46,6 +46,17 @@ class VertexView {
     return layers_[layer].mirrored[index(x, y)];
   }
 
+  bool has_highlight(std::size_t layer, int x, int y) const {
+    return highlight_count_ > 0 && mirrored(layer, x, y) != Vec3f();
+  }
+  /// Along the pixel's ray, in units of length, where it has a highlight.
+  float distance(std::size_t layer, int x, int y) const {
+    return layers_[layer].distances[index(x, y)];
+  }
+  /// How much farther a surface turned by 45° is from a pixel to the next, as a share of its
+  /// distance.
+  double depth_of_pixel() const;
+
   /// Share of each pixel that surfaces cover: [height][width]. In a coarse view four pixels have
   /// the upper left one's.
   std::span<const float> coverage() const { return coverage_; }
@@ -58,7 +69,8 @@ class VertexView {
  private:
   struct Layer {
     GBuffer hits;
-    std::vector<Vec3f> mirrored;  // [height][width]
+    std::vector<Vec3f> mirrored;   // [height][width]
+    std::vector<float> distances;  // [height][width]
   };
   struct Counts {
     std::size_t hits = 0, from_behind = 0;

@@ -66,6 +66,10 @@ ServedScene serve_bake(std::shared_ptr<const Bake> bake, const RelightSettings& 
   scene.width = bake->manifest().pixels.width;
   scene.height = bake->manifest().pixels.height;
   scene.camera = bake->manifest().camera;
+  scene.editable = bake->manifest().materials;
+  for (const CurveMaterial& each : bake->manifest().measured_brdfs) {
+    scene.measured.push_back({each.name, *each.measured});
+  }
   scene.make_source = [bake = std::move(bake), settings] {
     return std::make_unique<RendererSource<FrameRenderer>>(bake, settings, curve_layer_of(bake));
   };
@@ -91,8 +95,10 @@ ServedScene open_scene(const std::filesystem::path& bake_folder, const DrawSetti
   if (bake_kind(bake_folder) == kVertexKind) {
     const auto vertices = std::make_shared<const VertexScene>(
         vertex_scene_of(std::make_shared<const VertexBake>(bake_folder)));
-    VertexRenderer::prepare(*vertices, settings.vertices);
-    return serve_vertices(scene_name(bake_folder), vertices, settings.vertices);
+    VertexSettings of_vertices = settings.vertices;
+    of_vertices.budget = settings.relight.budget;
+    VertexRenderer::prepare(*vertices, of_vertices);
+    return serve_vertices(scene_name(bake_folder), vertices, of_vertices);
   }
   auto bake = std::make_shared<const Bake>(bake_folder);
   FrameRenderer::prepare(*bake, settings.relight);

@@ -22,7 +22,7 @@ ServedScene serve_bake(std::shared_ptr<const Bake> bake, const RelightSettings& 
 ServedScene serve_vertices(const std::string& name, std::shared_ptr<const VertexScene> vertices,
                            const VertexSettings& settings);
 
-/// How bakes of each kind are drawn.
+/// How bakes of each kind are drawn, all within the budget of `relight`.
 struct DrawSettings {
   RelightSettings relight;
   VertexSettings vertices;

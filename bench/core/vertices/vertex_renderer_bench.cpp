@@ -4,6 +4,9 @@
 //   rotate_ms, update_ms, display_ms   medians of the report's times
 //   of_products   light changes: the frame's time ÷ that of calculating the same vertices' light
 //                 alone, in this run; 1 would be a frame for nothing
+//   p95_of_deadline, worst_of_deadline   under a deadline: the 95th percentile of whole frames and
+//                 the longest of them ÷ the deadline
+//   estimate      under a deadline: the median of what the report says that time will mend
 //   of_rays       view changes: the frame's time ÷ that of tracing the same rays alone
 #include <benchmark/benchmark.h>
 
@@ -183,6 +186,32 @@ void exact(benchmark::State& state, bool moves) {
   frames.say(state);
 }
 
+/// Frames under a turning light and a deadline, the first few apart: they teach it what parts take.
+void keep_deadline(benchmark::State& state) {
+  const auto ms = static_cast<double>(state.range(0));
+  VertexSettings settings;
+  settings.budget = {FrameBudget::Unit::milliseconds, ms};
+  VertexRenderer renderer(scene_of_channels(1), settings);
+  Rgb8Image frame;
+  int step = 0;
+  while (step < 10) renderer.render_moving(turned_state(++step), frame);
+  Frames frames;
+  std::vector<double> estimates;
+  for (auto _ : state) {
+    const Stopwatch watch;
+    const FrameReport report = renderer.render_moving(turned_state(++step), frame);
+    frames.add(state, report, watch.elapsed_ms());
+    estimates.push_back(report.estimate_of_time.value_or(0));
+  }
+  frames.say(state);
+  std::ranges::sort(frames.whole);
+  const auto last = static_cast<double>(frames.whole.size() - 1);
+  state.counters["p95_of_deadline"] = frames.whole[static_cast<std::size_t>(0.95 * last)] / ms;
+  state.counters["worst_of_deadline"] = frames.whole.back() / ms;
+  state.counters["estimate"] = median(estimates);
+}
+
+BENCHMARK(keep_deadline)->Arg(8)->Arg(12)->Arg(16)->Iterations(200)->UseManualTime();
 BENCHMARK_CAPTURE(change_light, diffuse, Surface::diffuse)->Arg(1)->Arg(3)->UseManualTime();
 BENCHMARK_CAPTURE(change_light, glossy, Surface::glossy)->Arg(1)->Arg(3)->UseManualTime();
 BENCHMARK_CAPTURE(change_view, coarse, 0)->UseManualTime();
