@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/check.h"
 
@@ -84,17 +85,31 @@ Vec3f LobeTables::lobe(const Vec3f& in, const Vec3f& out) const {
   return Vec3f(quotient(brdf, {.difference_angle = true}, Vec3d(in), Vec3d(out)));
 }
 
-DiffuseFactors diffuse_factors(const CurveMaterialState& state, float slope, float outgoing) {
-  if (state.measured || !(outgoing > 0)) return {};
+Vec3f LobeTables::rest(float cosine) const {
+  const float position = std::acos(std::min(cosine, 1.0f)) * static_cast<float>(kRestKnots - 1) *
+                         (2 * std::numbers::inv_pi_v<float>);
+  const std::size_t lower = std::min(kRestKnots - 2, static_cast<std::size_t>(position));
+  const float share = position - static_cast<float>(lower);
+  Vec3f result;
+  for (int c = 0; c < 3; ++c) {
+    const float* const knots = log_rest.data() + static_cast<std::size_t>(c) * kRestKnots + lower;
+    result[c] = std::exp(knots[0] + share * (knots[1] - knots[0]));
+  }
+  return result;
+}
+
+DiffuseFactors diffuse_factors(const CurveMaterialState& state, const LobeTables& tables,
+                               float outgoing) {
+  if (state.measured || !(outgoing > 0) || !(max_component(state.brdf.albedo) > 0)) return {};
   // Every model's diffuse term is affine in 1 − (1 − slope · cos θ_i)^5: two values tell it.
   constexpr float kLow = 0.25f;
-  const auto at = [&](float cosine) {
-    const Vec3f in{std::sqrt(1 - cosine * cosine), 0, cosine};
-    const Vec3f out{std::sqrt(std::max(0.0f, 1 - outgoing * outgoing)), 0, outgoing};
-    return evaluate_diffuse(state.brdf, in, out);
+  const Vec3f out{std::sqrt(std::max(0.0f, 1 - outgoing * outgoing)), 0, outgoing};
+  const auto rest = [&](float cosine) {
+    const float x = 1 - tables.slope * cosine, x2 = x * x;
+    return 1 - x2 * x2 * x;
   };
-  const auto rest = [&](float cosine) { return 1 - std::pow(1 - slope * cosine, 5.0f); };
-  const Vec3f high = at(1), low = at(kLow);
+  const Vec3f high = evaluate_diffuse(state.brdf, {0, 0, 1}, out);
+  const Vec3f low = evaluate_diffuse(state.brdf, {0.968245837f, 0, kLow}, out);
   const Vec3f sloped = (high - low) / (rest(1) - rest(kLow));
   return {high - sloped * rest(1), sloped};
 }

@@ -31,6 +31,8 @@ struct LobeTables {
   AlignedVector<float> log_rest;  // of P at its knots, [3][kRestKnots]
   float slope = 1;                // of LobeSums::sloped
 
+  /// P(θ) of a measured BRDF.
+  Vec3f rest(float cosine) const;
   /// The scalar kind's lobe.
   Vec3f lobe(const Vec3f& in, const Vec3f& out) const;
 };
@@ -46,6 +48,7 @@ LobeTables make_fixed_tables(const CurveMaterialState& state);
 struct DiffuseFactors {
   Vec3f plain, sloped;
 };
-DiffuseFactors diffuse_factors(const CurveMaterialState& state, float slope, float outgoing);
+DiffuseFactors diffuse_factors(const CurveMaterialState& state, const LobeTables& tables,
+                               float outgoing);
 
 }  // namespace rimlight

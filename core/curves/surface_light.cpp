@@ -1,7 +1,6 @@
 #include "core/curves/surface_light.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 
 #include "core/base/check.h"
@@ -64,15 +63,9 @@ PreparedSurface prepare(const CurveSurface& surface, const CurveMaterialState& s
     result.points[q] = {frame.tangent,          frame.bitangent, frame.normal,
                         point.geometric_normal, outgoing,        {1, 1, 1}};
     if (state.measured) {
-      // P at the zenith is divided out of the pair's product.
-      const Vec3d zenith{0, 0, 1};
-      const Vec3f square(rest_at(*state.measured, zenith, zenith));
-      const Vec3f both(rest_at(*state.measured, zenith, Vec3d(outgoing)));
-      for (int c = 0; c < 3; ++c) {
-        result.points[q].rest_out[c] = square[c] > 0 ? both[c] / std::sqrt(square[c]) : 0;
-      }
+      result.points[q].rest_out = tables.rest(outgoing.z);
     }
-    const DiffuseFactors factors = diffuse_factors(state, tables.slope, outgoing.z);
+    const DiffuseFactors factors = diffuse_factors(state, tables, outgoing.z);
     result.diffuse[q] = {factors.plain * surface.tint, factors.sloped * surface.tint};
   }
   return result;

@@ -245,6 +245,8 @@ TEST(CurvePanels, HoldRowsOfOneMaterialAndOneTile) {
   }
   EXPECT_EQ(next, receivers.surfaces.size());
   EXPECT_EQ(rows, 390u);
+  EXPECT_EQ(panels[0].row_count, kPanelRows);
+  EXPECT_EQ(panels[2].row_count, 2u);
   CurveReceivers unsorted = receivers;
   std::vector<CurveSurface> surfaces(receivers.surfaces.rbegin(), receivers.surfaces.rend());
   unsorted.surfaces = surfaces;
