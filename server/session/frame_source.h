@@ -17,8 +17,10 @@ class FrameSource {
   virtual bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
                             const std::function<bool()>& abandon) = 0;
   /// Makes later frames of the state that was shown last better, until `abandon` answers true; what
-  /// there is still to do.
-  virtual Unfinished improve(const std::function<bool()>& abandon) = 0;
+  /// there is still to do. Sources whose frames leave nothing unfinished need not have it.
+  virtual Unfinished improve(const std::function<bool()>& /*abandon*/) {
+    return Unfinished::nothing;
+  }
 };
 
 }  // namespace rimlight::server
