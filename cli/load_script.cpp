@@ -14,8 +14,16 @@ constexpr std::size_t kLargestScript = std::size_t{16} << 20;
 constexpr std::size_t kMostEdits = 1'000'000;
 constexpr double kLongestMs = 3.6e6;
 
+/// An object of the message, or null.
+nlohmann::json read_object(const JsonReader& reader, std::string_view name) {
+  const auto member = reader.optional_member(name);
+  if (!member) return {};
+  if (!member->value().is_object()) member->fail("an object, as edits have it");
+  return member->value();
+}
+
 ScriptedEdit read_edit(const JsonReader& reader) {
-  reader.allow_only({"at_ms", "rotation", "environment", "exposure"});
+  reader.allow_only({"at_ms", "rotation", "environment", "exposure", "view", "material"});
   ScriptedEdit edit;
   edit.at_ms = reader.member("at_ms").number(0, kLongestMs);
   if (const auto member = reader.optional_member("rotation")) {
@@ -30,8 +38,11 @@ ScriptedEdit read_edit(const JsonReader& reader) {
   if (const auto member = reader.optional_member("exposure")) {
     edit.exposure_stops = member->number(-20, 20);
   }
-  if (!edit.rotation && !edit.environment && !edit.exposure_stops) {
-    reader.fail("one or more of rotation, environment, exposure");
+  edit.view = read_object(reader, "view");
+  edit.material = read_object(reader, "material");
+  if (!edit.rotation && !edit.environment && !edit.exposure_stops && edit.view.is_null() &&
+      edit.material.is_null()) {
+    reader.fail("one or more of rotation, environment, exposure, view, material");
   }
   return edit;
 }
@@ -107,6 +118,8 @@ std::string edit_message(const ScriptedEdit& edit, const std::string& id) {
   }
   if (edit.environment) message["environment"] = *edit.environment;
   if (edit.exposure_stops) message["exposure"] = *edit.exposure_stops;
+  if (!edit.view.is_null()) message["view"] = edit.view;
+  if (!edit.material.is_null()) message["material"] = edit.material;
   return message.dump();
 }
 

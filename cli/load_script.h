@@ -17,6 +17,8 @@ struct ScriptedEdit {
   std::optional<Quaternion> rotation;
   std::optional<std::string> environment;
   std::optional<double> exposure_stops;
+  // As they stand in messages (docs/protocol/edit.md): the server checks them. Null: none.
+  nlohmann::json view = {}, material = {};
 };
 
 struct LoadScript {

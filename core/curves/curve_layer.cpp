@@ -11,6 +11,7 @@
 #include "core/base/parallel.h"
 #include "core/curves/panel_freshness.h"
 #include "core/curves/quick_image.h"
+#include "core/curves/unshown_edits.h"
 
 namespace rimlight {
 namespace {
@@ -22,11 +23,6 @@ MeasuredLibrary library_of(const CurveReceivers& receivers) {
   MeasuredLibrary library;
   for (const CurveMaterial& each : receivers.measured) library.emplace(each.name, *each.measured);
   return library;
-}
-
-MaterialEdit edit_of(const DesignState& state, const std::string& material) {
-  const auto found = state.materials.find(material);
-  return found == state.materials.end() ? MaterialEdit{} : found->second;
 }
 
 }  // namespace
@@ -189,29 +185,8 @@ struct CurveLayer::State {
                               settings.sampled_rows, kSampleSeed);
     report.squared_error = report.squared_error_of_time;
     report.unfinished = freshness.unfinished();
-    report.unshown = unshown(state);
+    report.unshown = unshown_edits(receivers, states, state);
     return report;
-  }
-
-  std::vector<std::string> unshown(const DesignState& state) const {
-    std::vector<std::string> result;
-    bool any = false;
-    for (std::size_t m = 0; m < receivers.materials.size(); ++m) {
-      if (edits[m] == MaterialEdit{}) continue;
-      any = true;
-      const auto missing = unavailable(receivers.materials[m], edits[m]);
-      result.insert(result.end(), missing.begin(), missing.end());
-    }
-    if (any)
-      result.emplace_back("what edited materials do to other surfaces (that stays as baked)");
-    for (const auto& [name, edit] : state.materials) {
-      if (std::ranges::find(receivers.materials, name, &CurveMaterial::name) !=
-          receivers.materials.end()) {
-        continue;
-      }
-      result.push_back("edits of " + name + " (this bake has it built in)");
-    }
-    return result;
   }
 };
 

@@ -301,6 +301,14 @@ TEST_F(CurveLayerTest, WhatAnEditCannotDoIsSaid) {
   EXPECT_TRUE(says("other surfaces"));
 }
 
+TEST_F(CurveLayerTest, WhatTheTexelsCannotResolveIsSaid) {
+  CurveLayer layer(bake, {});
+  state.materials["gold"].roughness = 1e-3;
+  const auto unshown = layer.move(request(), kEnough).unshown;
+  ASSERT_FALSE(unshown.empty());
+  EXPECT_EQ(unshown[0], "the sharpness of gold (the light's texels are 14.3° wide)");
+}
+
 TEST_F(CurveLayerTest, UnderABlackLightAllIsBlack) {
   light = CubeLight(kSize);
   CurveLayer layer(bake, {});
