@@ -1,4 +1,4 @@
-// make_bake DIR.bake SIDE [vertex_sh]: bakes a small scene made here (a glossy ball, a matte one
+// make_bake DIR.bake SIDE [vertex_sh | brdf_curve]: bakes a small scene made here (a glossy ball, a matte one
 // and a wall on a floor) for the tests that need a real bake in seconds.
 #include <cstdio>
 #include <cstdlib>
@@ -95,20 +95,33 @@ void bake_its_vertices(const std::shared_ptr<Scene>& scene, const char* folder) 
   bake_vertices(scene, folder, {});
 }
 
+/// The same scene, the clay glazed with curves to edit.
+void bake_its_curves(const std::shared_ptr<Scene>& scene, const char* folder) {
+  scene->bake.kind = BakeKind::brdf_curve;
+  Brdf& clay = scene->materials[1].brdf;
+  clay.model = BrdfModel::cook_torrance;
+  clay.specular = {1, 1, 1};
+  clay.roughness = 0.25f;
+  bake_curves(scene, folder, {});
+}
+
 }  // namespace
 }  // namespace rimlight
 
 int main(int argc, char** argv) {
   const bool of_vertices = argc == 4 && std::strcmp(argv[3], "vertex_sh") == 0;
-  const int side = argc == 3 || of_vertices ? std::atoi(argv[2]) : 0;
+  const bool of_curves = argc == 4 && std::strcmp(argv[3], "brdf_curve") == 0;
+  const int side = argc == 3 || of_vertices || of_curves ? std::atoi(argv[2]) : 0;
   if (side < 16 || side > 1024) {
-    std::fprintf(stderr, "usage: make_bake DIR.bake SIDE (16 to 1024) [vertex_sh]\n");
+    std::fprintf(stderr, "usage: make_bake DIR.bake SIDE (16 to 1024) [vertex_sh | brdf_curve]\n");
     return 2;
   }
   try {
     const auto scene = rimlight::make_scene(side);
     if (of_vertices) {
       rimlight::bake_its_vertices(scene, argv[1]);
+    } else if (of_curves) {
+      rimlight::bake_its_curves(scene, argv[1]);
     } else {
       rimlight::bake_image(scene, argv[1], {});
     }

@@ -14,6 +14,7 @@ function required(name) {
 export const program = required('RIMLIGHT');
 export const bake = required('RIMLIGHT_BAKE');
 export const vertexBake = process.env.RIMLIGHT_VERTEX_BAKE;
+export const curveBake = process.env.RIMLIGHT_CURVE_BAKE;
 
 /** Resolves to {address, host, port, stop, kill} when the server is ready. */
 export function startServer({ port = 0, bakes = [bake] } = {}) {
