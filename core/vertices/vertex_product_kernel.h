@@ -83,7 +83,7 @@ float sum_of_squares(std::span<const float> values) noexcept;
 
 /// The product of one matrix and a panel as rows of coefficients, one a lane:
 ///     rows[lane][i] = Σ_j M_ij panel_j      for i of the matrix' stride, a multiple of 16
-/// with the bits of add_matrix_product(); the matrix is padded with zeros, and so are the rows.
+/// added up in the order of its columns; the matrix is padded with zeros, and so are the rows.
 struct RowProduct {
   const float* matrix;  // [size][stride]
   std::size_t size, stride;

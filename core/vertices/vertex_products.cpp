@@ -182,28 +182,6 @@ ChannelMatrices VertexProducts::matrices() const {
   return {{matrix_.row(0, 0), matrix_.row(1, 0), matrix_.row(2, 0)}, matrix_.stride()};
 }
 
-void VertexProducts::multiply_panel(const VertexSelection& selection, std::size_t panel,
-                                    float* product) const {
-  const std::size_t values = matrix_.size() * kBatchVertices;
-  float* const visibility = sized(PanelWorkspace::of_thread().visibility, values);
-  load_visibility(selection, panel, visibility);
-  std::fill_n(product, kLightChannels * values, 0.0f);
-  for (std::size_t c = 0; c < kLightChannels; ++c) {
-    add_matrix_product(
-        {matrix_.row(c, 0), matrix_.stride(), visibility, product + c * values, kBatchVertices},
-        {0, matrix_.size()}, {0, matrix_.size()});
-  }
-}
-
-void VertexProducts::incident(const VertexSelection& selection, std::span<float> to) const {
-  check(selection, transport_.highlight_count);
-  const std::size_t panel_size = kSums * matrix_.size();
-  RIMLIGHT_CHECK_EQ(to.size(), selection.panel_count() * panel_size);
-  for_each_index(selection.panel_count(), [&](std::size_t panel) {
-    multiply_panel(selection, panel, to.data() + panel * panel_size);
-  });
-}
-
 void VertexProducts::incident_by_vertex(const VertexSelection& selection,
                                         std::span<float> to) const {
   check(selection, transport_.highlight_count);

@@ -50,12 +50,8 @@ class VertexProducts {
   void irradiance(const VertexSelection& selection, std::span<float> to) const;
 
   /// The light that arrives at a vertex past what hides the sky, in harmonics: the product of light
-  /// and visibility, cut off at the degree n of the visibility. [panel][3][(n +
-  /// 1)²][kBatchVertices].
-  void incident(const VertexSelection& selection, std::span<float> to) const;
-
-  /// The same as rows of their own: [vertex][3][row_stride()], those of vertices that are not
-  /// selected left as they are; from (n + 1)² on zeros.
+  /// and visibility, cut off at the degree n of the visibility. [vertex][3][row_stride()], those of
+  /// vertices that are not selected left as they are; from (n + 1)² on zeros.
   void incident_by_vertex(const VertexSelection& selection, std::span<float> to) const;
   std::size_t row_stride() const { return matrix_.stride(); }
 
@@ -63,7 +59,7 @@ class VertexProducts {
   /// eq. 4.4): [panel][3][kBatchVertices]. It takes no notice of the material's highlight weight.
   void highlights(const VertexSelection& selection, const VertexGloss& gloss,
                   std::span<float> to) const;
-  /// Multiplications and additions of the matrix products in highlights() or incident(), a vertex.
+  /// Multiplications and additions of the matrix products in highlights(), a vertex.
   double highlight_flops() const;
 
   /// What the adaptive calculations are made of: one panel's visibility, and its lobes turned to
@@ -84,7 +80,6 @@ class VertexProducts {
 
  private:
   void check(const VertexSelection& selection, std::size_t vertices) const;
-  void multiply_panel(const VertexSelection& selection, std::size_t panel, float* product) const;
 
   VertexTransportView transport_;
   ShProductMatrix matrix_;

@@ -6,16 +6,6 @@
 
 namespace rimlight {
 
-void VertexSelection::select_batches(std::span<const std::uint32_t> batches) {
-  count_ = 0;
-  pieces_.clear();
-  first_piece_.clear();
-  for (const std::uint32_t batch : batches) {
-    RIMLIGHT_CHECK(pieces_.empty() || pieces_.back().batch < batch);
-    add(batch, ~std::uint64_t{0});
-  }
-}
-
 void VertexSelection::select_vertices(std::span<const std::uint32_t> vertices) {
   count_ = 0;
   pieces_.clear();

@@ -10,7 +10,7 @@
 
 namespace rimlight {
 
-/// Which vertices are calculated: those that a view shows, or some batches. They are packed, in
+/// Which vertices are calculated: those that a view shows. They are packed, in
 /// rising order, into *panels* of kBatchVertices lanes, so that hidden neighbours cost nothing; the
 /// last panel is padded. Reused from frame to frame: it stops allocating.
 class VertexSelection {
@@ -22,8 +22,6 @@ class VertexSelection {
     std::uint64_t lanes = 0;
   };
 
-  /// Whole batches, rising. CheckFailure for another order.
-  void select_batches(std::span<const std::uint32_t> batches);
   /// Single vertices, rising. CheckFailure for another order.
   void select_vertices(std::span<const std::uint32_t> vertices);
 

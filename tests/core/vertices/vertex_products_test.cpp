@@ -45,26 +45,11 @@ TEST(VertexSelection, PacksVerticesInOrder) {
   EXPECT_EQ(seen, chosen.size());
 }
 
-TEST(VertexSelection, TakesWholeBatchesAsTheyAre) {
-  VertexSelection selection;
-  selection.select_batches(Selected{1, 4});
-  ASSERT_EQ(selection.panel_count(), 2u);
-  EXPECT_EQ(selection.vertex_count(), 2 * kBatchVertices);
-  for (std::size_t panel = 0; panel < 2; ++panel) {
-    selection.for_each_part(panel, [&](std::uint32_t batch, std::uint64_t lanes, std::size_t to) {
-      EXPECT_EQ(batch, panel == 0 ? 1u : 4u);
-      EXPECT_EQ(lanes, ~std::uint64_t{0});
-      EXPECT_EQ(to, 0u);
-    });
-  }
-}
-
 TEST(VertexSelection, RefusesAnotherOrder) {
   VertexSelection selection;
   EXPECT_THROW(selection.select_vertices(Selected{3, 2}), CheckFailure);
   EXPECT_THROW(selection.select_vertices(Selected{70, 2}), CheckFailure);
   EXPECT_THROW(selection.select_vertices(Selected{2, 2}), CheckFailure);
-  EXPECT_THROW(selection.select_batches(Selected{1, 1}), CheckFailure);
   selection.select_vertices({});
   EXPECT_EQ(selection.panel_count(), 0u);
 }
@@ -110,10 +95,8 @@ TEST_P(VertexProductsOfDegree, IncidentLightAndHighlightsAreTheSumsInDouble) {
   VertexSelection selection;
   selection.select_vertices(some_vertices(130));
   const std::size_t count = sh::coefficient_count(degree), stride = products.row_stride();
-  std::vector<float> panels(selection.panel_count() * kSums * count, NAN);
   std::vector<float> rows(130 * kLightChannels * stride, -1.0f);
   std::vector<float> highlights(selection.panel_count() * kSums, NAN);
-  products.incident(selection, panels);
   products.incident_by_vertex(selection, rows);
   products.highlights(selection, vertices.gloss(), highlights);
   EXPECT_EQ(rows[kLightChannels * stride], -1) << "vertex 1 is not selected";
@@ -129,10 +112,8 @@ TEST_P(VertexProductsOfDegree, IncidentLightAndHighlightsAreTheSumsInDouble) {
         const auto truth = reference::product(
             visibility, std::span(light).subspan(c * light.size() / 3, light.size() / 3));
         for (std::size_t i = 0; i < count; ++i) {
-          const float value =
-              panels[panel * kSums * count + (c * count + i) * kBatchVertices + lane];
+          const float value = rows[(vertex * kLightChannels + c) * stride + i];
           worst = std::max(worst, std::abs(static_cast<double>(value) - truth[i]));
-          EXPECT_EQ(rows[(vertex * kLightChannels + c) * stride + i], value);
         }
         const double shine = reference::highlight(truth, factors, vertices.mirrored[vertex]);
         const float value = highlights[panel * kSums + c * kBatchVertices + lane];
