@@ -9,6 +9,7 @@
 
 #include "core/base/check.h"
 #include "core/base/parallel.h"
+#include "core/base/stopwatch.h"
 #include "core/curves/panel_freshness.h"
 #include "core/curves/quick_image.h"
 #include "core/curves/unshown_edits.h"
@@ -75,9 +76,11 @@ struct CurveLayer::State {
   }
 
   /// The light and the materials that are asked for; what that leaves stale is not made yet.
-  void follow(const Request& request) {
+  /// Whether it is another light.
+  bool follow(const Request& request) {
     const DesignState& wanted = request.state;
-    if (!light || texels.values != request.texels.values) {
+    const bool is_other_light = !light || texels.values != request.texels.values;
+    if (is_other_light) {
       light.emplace(sky, request.texels,
                     std::min(settings.strongest_texels, request.texels.count()));
       texels = request.texels;
@@ -92,6 +95,17 @@ struct CurveLayer::State {
       edits[m] = std::move(edit);
     }
     for (std::uint32_t m = 0; m < edits.size(); ++m) aim(m);
+    return is_other_light;
+  }
+
+  /// Some of what is stale, for a frame under a light that stands still.
+  void make_some_fresh() {
+    if (!(settings.rebuild_ms > 0)) return;
+    const Stopwatch watch;
+    const auto is_over = [&] { return watch.elapsed_ms() > settings.rebuild_ms; };
+    if (make_fresh(is_over)) {
+      for (std::uint32_t m = 0; m < states.size(); ++m) aim(m);
+    }
   }
 
   /// Gives the updater the axis and the curve that a material is to show.
@@ -205,7 +219,7 @@ void CurveLayer::check(const DesignState& state) const {
 }
 
 LayerReport CurveLayer::move(const Request& request, const FrameBudget& budget) {
-  state_->follow(request);
+  if (!state_->follow(request)) state_->make_some_fresh();
   state_->shade_the_rest_quickly();
   const CurveUpdateReport update = state_->updater.update(budget);
   return state_->describe(request.state, update.columns);

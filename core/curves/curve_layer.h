@@ -14,6 +14,9 @@ struct CurveLayerSettings {
   std::size_t strongest_texels = 256;
   /// Rows whose exact value tells the error of such an image.
   std::size_t sampled_rows = 32;
+  /// So long does a frame under the light of the frame before make T′ where it is stale, so that it
+  /// becomes fresh even where edits follow each other without a pause.
+  double rebuild_ms = 40;
 };
 
 /// Direct light of a bake's editable materials under their curves, as a layer of its FrameRenderer.
@@ -21,7 +24,8 @@ struct CurveLayerSettings {
 /// Each material is shown on one axis: that of the curve that was edited last. While its T′ is
 /// fresh, an edit of that curve costs some columns of it. What makes T′ stale (another light, the
 /// other curve, a parameter that is in no curve) shows the quick image until improve() or settle()
-/// has made T′ again, panel by panel; from then on a panel is exact. When all is fresh, improve()
+/// has made T′ again, panel by panel, and frames in which only materials change make some; from
+/// then on a panel is exact. When all is fresh, improve()
 /// makes the other axis' T′ as well.
 ///
 /// Light that comes by way of other surfaces stays as it was baked, and so does the sky behind.

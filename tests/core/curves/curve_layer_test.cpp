@@ -197,8 +197,21 @@ TEST_F(CurveLayerTest, WhatABudgetLeavesIsTheErrorThatItSays) {
   EXPECT_LT(relative_error(layer), 1e-3);
 }
 
+TEST_F(CurveLayerTest, TransportIsMadeWhileEditsGoOnWithoutAPause) {
+  CurveLayer layer(bake, {.rebuild_ms = 1});
+  layer.move(request(), kEnough);
+  LayerReport report;
+  int frames = 0;
+  do {
+    draw("gold", CurveAxis::half_angle, 1 + 0.01 * frames);
+    report = layer.move(request(), kEnough);
+    ASSERT_LT(++frames, 10'000);
+  } while (report.unfinished == Unfinished::exact_frame);
+  EXPECT_LT(relative_error(layer), 1e-3);
+}
+
 TEST_F(CurveLayerTest, TheOtherCurveMakesTheFirstOnesTransportStaleAndItIsMadeAgain) {
-  CurveLayer layer(bake, {});
+  CurveLayer layer(bake, {.rebuild_ms = 0});
   layer.move(request(), kEnough);
   improve_until_done(layer);
   // T′ of θ_d was made beside that of θ_h: the first edit of it is exact at once.
