@@ -72,6 +72,7 @@ void add_report_command(CLI::App& app, Action& chosen) {
       app.add_subcommand("report", "Run an experiment on a bake; write its numbers and figures");
   command->require_subcommand(1);
   add_adaptive_sh_report(*command, chosen);
+  add_brdf_edit_report(*command, chosen);
   add_error_vs_time_report(*command, chosen);
   add_sh_policies_report(*command, chosen);
   add_storage_report(*command, chosen);
