@@ -174,9 +174,9 @@ struct CurveLayer::State {
     }
   }
 
-  void shade_stale_quickly() {
-    if (freshness.stale_panels().empty() || quick_version == freshness.version()) return;
-    RIMLIGHT_CHECK(shade_quickly(transport, *light, states, {}, quick));
+  void shade_the_rest_quickly() {
+    if (quick_version == freshness.version()) return;
+    RIMLIGHT_CHECK(shade_quickly(transport, *light, states, freshness.unshown_panels(), {}, quick));
     quick_version = freshness.version();
   }
 
@@ -184,15 +184,9 @@ struct CurveLayer::State {
     LayerReport report;
     report.terms = terms;
     report.squared_error_of_time = updater.squared_error();
-    const std::size_t stale = freshness.stale_panels().size();
-    if (stale > 0) {
-      // The sample is of all rows; most often all are stale.
-      const double share =
-          static_cast<double>(stale) / static_cast<double>(transport.panels().size());
-      report.squared_error_of_time +=
-          share * sampled_squared_error(transport, *light, states, quick, settings.sampled_rows,
-                                        kSampleSeed);
-    }
+    report.squared_error_of_time +=
+        sampled_squared_error(transport, *light, states, freshness.unshown_panels(), quick,
+                              settings.sampled_rows, kSampleSeed);
     report.squared_error = report.squared_error_of_time;
     report.unfinished = freshness.unfinished();
     report.unshown = unshown(state);
@@ -237,7 +231,7 @@ void CurveLayer::check(const DesignState& state) const {
 
 LayerReport CurveLayer::move(const Request& request, const FrameBudget& budget) {
   state_->follow(request);
-  state_->shade_stale_quickly();
+  state_->shade_the_rest_quickly();
   const CurveUpdateReport update = state_->updater.update(budget);
   return state_->describe(request.state, update.columns);
 }

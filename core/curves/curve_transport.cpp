@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/base/check.h"
 #include "core/curves/lobe_tables.h"
@@ -59,6 +60,12 @@ CurveTransport::CurveTransport(const CurveReceivers& receivers)
     axis.version = std::vector<std::atomic<std::uint64_t>>(panels_.size());
     axis.gram.resize(material_count());
   }
+}
+
+std::vector<std::uint32_t> CurveTransport::all_panels() const {
+  std::vector<std::uint32_t> all(panels_.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
 }
 
 void CurveTransport::set_fixed(std::size_t panel, std::size_t row, const Vec3f& value) {

@@ -53,6 +53,8 @@ class CurveTransport {
   explicit CurveTransport(const CurveReceivers& receivers);
 
   std::span<const CurvePanel> panels() const { return panels_; }
+  /// The index of each.
+  std::vector<std::uint32_t> all_panels() const;
   const CurveReceivers& receivers() const { return receivers_; }
   std::size_t material_count() const { return receivers_.materials.size(); }
   const CurveBasis& basis(CurveAxis axis) const { return axes_[index(axis)].basis; }

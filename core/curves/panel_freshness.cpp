@@ -74,21 +74,28 @@ bool PanelFreshness::all_fresh(std::uint32_t material) const {
   return true;
 }
 
-std::vector<std::uint32_t> PanelFreshness::stale_panels() const {
+template <typename Is>
+std::vector<std::uint32_t> PanelFreshness::panels_that(const Is& is) const {
   std::vector<std::uint32_t> result;
   for (std::uint32_t panel = 0; panel < shown_.size(); ++panel) {
-    if (!is_fresh(panel)) result.push_back(panel);
+    if (is(panel)) result.push_back(panel);
   }
   return result;
 }
 
+std::vector<std::uint32_t> PanelFreshness::stale_panels() const {
+  return panels_that([this](std::uint32_t panel) { return !is_fresh(panel); });
+}
+
 std::vector<std::uint32_t> PanelFreshness::stale_panels_of_other_axis() const {
-  std::vector<std::uint32_t> result;
-  for (std::uint32_t panel = 0; panel < shown_.size(); ++panel) {
+  return panels_that([this](std::uint32_t panel) {
     const auto other = material_of(panel).other;
-    if (other && !is_fresh(panel, *other)) result.push_back(panel);
-  }
-  return result;
+    return other && !is_fresh(panel, *other);
+  });
+}
+
+std::vector<std::uint32_t> PanelFreshness::unshown_panels() const {
+  return panels_that([this](std::uint32_t panel) { return !is_shown(panel); });
 }
 
 bool PanelFreshness::is_shown(std::uint32_t panel) const {

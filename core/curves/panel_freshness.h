@@ -46,6 +46,7 @@ class PanelFreshness {
   /// What is shown of a panel is what it was made for last, and it is fresh.
   bool is_shown(std::uint32_t panel) const;
   bool all_shown(std::uint32_t material) const;
+  std::vector<std::uint32_t> unshown_panels() const;
   void mark_shown(std::uint32_t panel);
   void mark_all_shown(std::uint32_t material);
 
@@ -69,6 +70,8 @@ class PanelFreshness {
   const Material& material_of(std::uint32_t panel) const {
     return materials_[transport_->panels()[panel].material];
   }
+  template <typename Is>
+  std::vector<std::uint32_t> panels_that(const Is& is) const;
   void show_on(Material& material, CurveAxis axis, const CurveMaterialState& state);
 
   const CurveTransport* transport_;

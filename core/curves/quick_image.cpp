@@ -49,9 +49,9 @@ struct RowPlace {
   std::size_t panel = 0, row = 0;
 };
 
-std::vector<RowPlace> all_rows(const CurveTransport& rows) {
+std::vector<RowPlace> all_rows(const CurveTransport& rows, std::span<const std::uint32_t> panels) {
   std::vector<RowPlace> places;
-  for (std::size_t panel = 0; panel < rows.panels().size(); ++panel) {
+  for (const std::uint32_t panel : panels) {
     for (std::size_t row = 0; row < rows.panels()[panel].row_count; ++row) {
       places.push_back({panel, row});
     }
@@ -62,7 +62,8 @@ std::vector<RowPlace> all_rows(const CurveTransport& rows) {
 }  // namespace
 
 bool shade_quickly(const CurveTransport& rows, const CurveLight& light,
-                   std::span<const CurveMaterialState> states, const std::function<bool()>& abandon,
+                   std::span<const CurveMaterialState> states,
+                   std::span<const std::uint32_t> panels, const std::function<bool()>& abandon,
                    std::span<float> image) {
   RIMLIGHT_CHECK_EQ(states.size(), rows.material_count());
   RIMLIGHT_CHECK_EQ(image.size(), rows.panels().size() * kPanelFloats);
@@ -70,19 +71,20 @@ bool shade_quickly(const CurveTransport& rows, const CurveLight& light,
   RIMLIGHT_CHECK_EQ(light.sky().cube_size(), receivers.visibility.cube_size);
   const Shaders shaders(states);
   std::atomic<bool> abandoned = false;
-  parallel_for(rows.panels().size(), [&](std::size_t p) {
+  parallel_for(panels.size(), [&](std::size_t i) {
     if (abandoned.load(std::memory_order_relaxed)) return;
     if (abandon && abandon()) {
       abandoned.store(true, std::memory_order_relaxed);
       return;
     }
+    const std::size_t p = panels[i];
     const CurvePanel& panel = rows.panels()[p];
     float* const to = image.data() + p * kPanelFloats;
     std::fill_n(to, kPanelFloats, 0.0f);
     for (std::size_t row = 0; row < panel.row_count; ++row) {
       Vec3f radiance;
-      for (auto i = panel.first_surface[row]; i < panel.first_surface[row + 1]; ++i) {
-        radiance += shade_surface(receivers, i, light, shaders.state(panel), shaders.tables(panel));
+      for (auto s = panel.first_surface[row]; s < panel.first_surface[row + 1]; ++s) {
+        radiance += shade_surface(receivers, s, light, shaders.state(panel), shaders.tables(panel));
       }
       for (std::size_t c = 0; c < 3; ++c) to[c * kPanelRows + row] = radiance[static_cast<int>(c)];
     }
@@ -98,10 +100,11 @@ Vec3f shade_exactly(const CurveReceivers& receivers, const CurvePanel& panel, st
 
 double sampled_squared_error(const CurveTransport& rows, const CurveLight& light,
                              std::span<const CurveMaterialState> states,
-                             std::span<const float> image, std::size_t sample, std::uint64_t seed) {
+                             std::span<const std::uint32_t> panels, std::span<const float> image,
+                             std::size_t sample, std::uint64_t seed) {
   RIMLIGHT_CHECK_EQ(states.size(), rows.material_count());
   RIMLIGHT_CHECK_EQ(image.size(), rows.panels().size() * kPanelFloats);
-  const std::vector<RowPlace> places = all_rows(rows);
+  const std::vector<RowPlace> places = all_rows(rows, panels);
   if (places.empty() || sample == 0) return 0;
   const Shaders shaders(states);
   const std::size_t count = std::min(sample, places.size());

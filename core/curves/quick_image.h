@@ -11,7 +11,8 @@
 
 namespace rimlight {
 
-/// What rows show, without T′: states as [material], rows as [panel][3][kPanelRows].
+/// What the rows of some panels show, without T′: states as [material], rows as
+/// [panel][3][kPanelRows]. The image's other panels stay as they are.
 ///
 /// Quickly: the light's strongest texels exactly, all else from means of radiance and of visibility
 /// over 4 × 4 texels. Exact when all texels are among the strongest. On all cores; `abandon` (may
@@ -19,16 +20,18 @@ namespace rimlight {
 /// then `image` is unspecified.
 [[nodiscard]] bool shade_quickly(const CurveTransport& rows, const CurveLight& light,
                                  std::span<const CurveMaterialState> states,
+                                 std::span<const std::uint32_t> panels,
                                  const std::function<bool()>& abandon, std::span<float> image);
 
 /// One row exactly: all texels, as T′ · c + fixed is but for its rounding.
 Vec3f shade_exactly(const CurveReceivers& receivers, const CurvePanel& panel, std::size_t row,
                     const CurveLight& light, const CurveMaterialState& state);
 
-/// Σ over all rows and channels of (image − exact)², estimated from `sample` rows drawn by `seed`,
-/// at least one of each panel's material when there are enough. On all cores.
+/// Σ over the rows of these panels and channels of (image − exact)², estimated from `sample` rows
+/// drawn by `seed`, evenly among them. On all cores.
 double sampled_squared_error(const CurveTransport& rows, const CurveLight& light,
                              std::span<const CurveMaterialState> states,
-                             std::span<const float> image, std::size_t sample, std::uint64_t seed);
+                             std::span<const std::uint32_t> panels, std::span<const float> image,
+                             std::size_t sample, std::uint64_t seed);
 
 }  // namespace rimlight

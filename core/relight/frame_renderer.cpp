@@ -88,9 +88,13 @@ struct FrameRenderer::State {
     parallel_for(3, transform);
   }
 
-  /// The budget of the update: a deadline is less what the rest of the frame takes.
-  FrameBudget update_budget(double passed_ms) const {
-    return reduce_deadline(settings.budget, passed_ms + showing.typical_ms());
+  /// The budget of the update: a deadline is less what the rest of the frame takes. A layer that
+  /// has taken more than half of the time has it: what it has made would be worth little over
+  /// light that stayed behind.
+  FrameBudget update_budget(double rotate_ms, double layer_ms) const {
+    const double half = (settings.budget.amount - rotate_ms - showing.typical_ms()) / 2;
+    return reduce_deadline(settings.budget,
+                           rotate_ms + std::clamp(half, 0.0, layer_ms) + showing.typical_ms());
   }
 
   /// Refreshes the estimate, every few frames where it would take more than its share of a frame.
@@ -220,11 +224,12 @@ FrameReport FrameRenderer::render_moving(const DesignState& state, Rgb8Image& fr
   report.rotate_ms = watch.lap_ms();
   LayerReport added;
   if (state_->layer) {
-    added = state_->layer->move({state, state_->turned}, state_->update_budget(report.rotate_ms));
+    added =
+        state_->layer->move({state, state_->turned}, state_->update_budget(report.rotate_ms, 0));
     report.update_ms = watch.lap_ms();
   }
   const UpdateReport update = state_->updater.update(
-      state_->target, state_->update_budget(report.rotate_ms + report.update_ms));
+      state_->target, state_->update_budget(report.rotate_ms, report.update_ms));
   report.update_ms += watch.lap_ms();
   report.terms = update.columns;
   report.bands_reset = update.bands_reset;

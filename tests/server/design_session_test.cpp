@@ -4,7 +4,7 @@
 
 #include "core/base/error.h"
 #include "server/session/session_registry.h"
-#include "tests/server/sphere_source.h"
+#include "tests/server/design_session_case.h"
 #include "tests/support/error_of.h"
 
 namespace rimlight::server {
@@ -13,56 +13,10 @@ namespace {
 using nlohmann::json;
 using rimlight::test::error_of;
 using std::chrono::milliseconds;
+using test::DesignSessionTest;
+using test::KeepingClient;
 using test::sphere_scene;
 using test::SphereProbe;
-
-/// A client that keeps what it is sent.
-class KeepingClient : public Client {
- public:
-  void send_text(std::string text) override { texts.push_back(json::parse(text)); }
-  void send_state(std::string text) override { states.push_back(json::parse(text)); }
-  void send_frame(FramePtr frame) override { frames.push_back(std::move(frame)); }
-
-  FrameHeader last() const { return parse_frame_message(frames.back()->bytes, "frame").header; }
-
-  std::vector<json> texts, states;
-  std::vector<FramePtr> frames;
-};
-
-/// A session whose time and compute thread are the test's.
-class DesignSessionTest : public testing::Test {
- protected:
-  std::shared_ptr<KeepingClient> join() {
-    auto client = std::make_shared<KeepingClient>();
-    session->join(client, now);
-    return client;
-  }
-  void edit(const KeepingClient& client, double degrees, const std::string& id = "e") {
-    Edit change;
-    change.id = id;
-    change.rotation = axis_angle({0, 1, 0}, degrees * 3.14159265358979 / 180);
-    session->apply(client, change, now);
-  }
-  void acknowledge(const KeepingClient& client) {
-    EXPECT_EQ(session->acknowledge(client, client.frames.back()->frame, now), AckResult::taken);
-  }
-  /// All the work that is due now.
-  void work() {
-    while (queue.run_one(now)) {
-    }
-  }
-  void pass(milliseconds time) {
-    now += time;
-    work();
-  }
-
-  std::shared_ptr<SphereProbe> probe = std::make_shared<SphereProbe>();
-  ServedScene scene = sphere_scene("sphere", 32, 24, probe);
-  Clock::time_point now{std::chrono::hours(1)};
-  RenderQueue queue{[this] { return now; }};
-  std::shared_ptr<DesignSession> session =
-      std::make_shared<DesignSession>("s", scene, 5, SessionSettings{}, queue);
-};
 
 TEST_F(DesignSessionTest, TheFirstClientIsWelcomedAndGetsTheExactFrameAtOnce) {
   const auto client = join();

@@ -12,12 +12,26 @@ void fail_if_broken(const SphereProbe& probe) {
   if (probe.broken) throw Error("sphere", "a broken source", "a whole one");
 }
 
+Unfinished unfinished(const SphereProbe& probe) {
+  if (probe.slices_for_exact > 0) return Unfinished::exact_frame;
+  return probe.slices_left > 0 ? Unfinished::next_edits : Unfinished::nothing;
+}
+
 std::vector<std::string> unshown(const DesignState& state) {
   if (!state.view) return {};
   return {"the moved camera"};
 }
 
 }  // namespace
+
+Unfinished SphereSource::improve(const std::function<bool()>& abandon) {
+  if (probe_->on_slice) probe_->on_slice();
+  if (!abandon()) {
+    if (probe_->slices_left > 0) --probe_->slices_left;
+    if (probe_->slices_for_exact > 0) --probe_->slices_for_exact;
+  }
+  return unfinished(*probe_);
+}
 
 void SphereSource::draw_row(const DesignState& state, int y, std::uint8_t mask,
                             Rgb8Image& frame) const {
@@ -46,6 +60,7 @@ FrameReport SphereSource::render_moving(const DesignState& state, Rgb8Image& fra
   report.terms = 30;
   report.residual = 0.5;
   report.unshown = unshown(state);
+  report.unfinished = unfinished(*probe_);
   return report;
 }
 

@@ -16,6 +16,10 @@ struct SphereProbe {
   std::atomic<int> abandoned{0};
   std::function<void(int row)> on_row;  // called before each row of an exact frame
   std::atomic<bool> broken{false};      // every render throws Error
+  /// Slices of work that frames leave, for the next edits or for the exact frame.
+  std::atomic<int> slices_left{0};
+  std::atomic<int> slices_for_exact{0};
+  std::function<void()> on_slice;  // called within each
 };
 
 /// A frame source with a closed form: a white Lambert sphere under one distant light that the
@@ -28,6 +32,7 @@ class SphereSource final : public FrameSource {
   FrameReport render_moving(const DesignState& state, Rgb8Image& frame) override;
   bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
                     const std::function<bool()>& abandon) override;
+  Unfinished improve(const std::function<bool()>& abandon) override;
 
  private:
   void draw_row(const DesignState& state, int y, std::uint8_t mask, Rgb8Image& frame) const;

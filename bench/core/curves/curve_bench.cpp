@@ -77,8 +77,8 @@ struct Ball {
       }
     }
     curve_light = std::make_unique<CurveLight>(sky, light, kStrongest);
-    transport =
-        std::make_unique<CurveTransport>(CurveReceivers{materials, surfaces, visibility.view()});
+    transport = std::make_unique<CurveTransport>(
+        CurveReceivers{materials, {}, surfaces, visibility.view()});
     states.push_back(resolve(materials[0], {}, {}, "ball"));
   }
 
@@ -136,13 +136,13 @@ void quick(benchmark::State& state) {
   Ball& test = ball(state.range(1) != 0, static_cast<std::size_t>(state.range(0)));
   AlignedVector<float> image(test.transport->panels().size() * kPanelFloats);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        shade_quickly(*test.transport, *test.curve_light, test.states, {}, image));
+    benchmark::DoNotOptimize(shade_quickly(*test.transport, *test.curve_light, test.states,
+                                           test.transport->all_panels(), {}, image));
   }
   double size = 0;
   for (const float value : image) size += double{value} * value;
-  const double error =
-      sampled_squared_error(*test.transport, *test.curve_light, test.states, image, 1000, 1);
+  const double error = sampled_squared_error(*test.transport, *test.curve_light, test.states,
+                                             test.transport->all_panels(), image, 1000, 1);
   state.counters["relative_error"] = std::sqrt(error / size);
 }
 

@@ -22,7 +22,7 @@ struct CurveScene {
   SkyVisibilityPacker visibility;
 
   explicit CurveScene(int cube_size) : visibility(cube_size) {}
-  CurveReceivers receivers() const { return {materials, surfaces, visibility.view()}; }
+  CurveReceivers receivers() const { return {materials, {}, surfaces, visibility.view()}; }
 };
 
 /// `rows` receivers of each material, every fifth in two surfaces; tiles apart.

@@ -37,7 +37,7 @@ struct QuickCase {
   }
   void shade(std::size_t strongest) {
     const CurveLight found(sky, light, strongest);
-    ASSERT_TRUE(shade_quickly(transport, found, states, {}, image));
+    ASSERT_TRUE(shade_quickly(transport, found, states, transport.all_panels(), {}, image));
   }
   Vec3d row(std::size_t panel, std::size_t row) const {
     return row_of(std::span(image).subspan(panel * kPanelFloats, kPanelFloats), row);
@@ -106,23 +106,27 @@ TEST(QuickImage, ASampleOfRowsTellsItsError) {
   test.shade(16);
   const CurveLight light(test.sky, test.light, 16);
   const double expected = test.squared_error(light);
-  const double all =
-      sampled_squared_error(test.transport, light, test.states, test.image, 1'000'000, 1);
+  const double all = sampled_squared_error(test.transport, light, test.states,
+                                           test.transport.all_panels(), test.image, 1'000'000, 1);
   EXPECT_NEAR(all, expected, 1e-6 * expected);
   double sum = 0;
   constexpr int kSeeds = 60;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    sum += sampled_squared_error(test.transport, light, test.states, test.image, 50, seed);
+    sum += sampled_squared_error(test.transport, light, test.states, test.transport.all_panels(),
+                                 test.image, 50, seed);
   }
   EXPECT_NEAR(sum / kSeeds, expected, 0.25 * expected);
-  EXPECT_EQ(sampled_squared_error(test.transport, light, test.states, test.image, 0, 1), 0);
+  EXPECT_EQ(sampled_squared_error(test.transport, light, test.states, test.transport.all_panels(),
+                                  test.image, 0, 1),
+            0);
 }
 
 TEST(QuickImage, IsBlackUnderABlackLight) {
   QuickCase test;
   const CurveLight light(test.sky, CubeLight(kSize), 5);
   std::ranges::fill(test.image, 7.0f);
-  ASSERT_TRUE(shade_quickly(test.transport, light, test.states, {}, test.image));
+  ASSERT_TRUE(shade_quickly(test.transport, light, test.states, test.transport.all_panels(), {},
+                            test.image));
   EXPECT_TRUE(std::ranges::all_of(test.image, [](float value) { return value == 0; }));
 }
 
@@ -130,7 +134,8 @@ TEST(QuickImage, IsAbandoned) {
   QuickCase test;
   const CurveLight light(test.sky, test.light, 5);
   EXPECT_FALSE(shade_quickly(
-      test.transport, light, test.states, [] { return true; }, test.image));
+      test.transport, light, test.states, test.transport.all_panels(), [] { return true; },
+      test.image));
 }
 
 }  // namespace
