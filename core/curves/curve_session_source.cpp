@@ -64,8 +64,13 @@ CurveEdit read_drag(const JsonReader& json, const CurveEdit& from) {
     const auto index = static_cast<std::size_t>(parts[0].integer(0, last));
     curve.points[index] = {parts[1].number(0, 1), read_value(parts[2])};
   }
-  // Between two curves that rise all others do.
-  check_curve_points(curve.points, drag.where());
+  const auto is_behind = [](const CurvePoint& a, const CurvePoint& b) {
+    return !(a.position < b.position);
+  };
+  // Between two curves whose points rise, those of all others do.
+  if (std::ranges::adjacent_find(curve.points, is_behind) != curve.points.end()) {
+    drag.fail("points that still rise");
+  }
   return curve;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -127,7 +128,10 @@ void EditedCurves::go_to(const CurveSession::Place& place) {
 }
 
 double EditedCurves::distance_to_sums(std::span<const float> image, std::size_t sample) const {
-  return std::sqrt(sampled_squared_error(transport_, light_, states_, image, sample, kSampleSeed));
+  std::vector<std::uint32_t> all(transport_.panels().size());
+  std::iota(all.begin(), all.end(), 0u);
+  return std::sqrt(
+      sampled_squared_error(transport_, light_, states_, all, image, sample, kSampleSeed));
 }
 
 }  // namespace rimlight

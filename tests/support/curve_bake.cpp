@@ -25,7 +25,7 @@ constexpr const char* kScene = R"({ "name": "balls",
 }  // namespace
 
 void bake_balls_with_curves(const std::filesystem::path& folder) {
-  bake_image(std::make_shared<const Scene>(parse_scene(kScene, "balls", ".")), folder, {});
+  bake_curves(std::make_shared<const Scene>(parse_scene(kScene, "balls", ".")), folder, {});
 }
 
 }  // namespace rimlight::test

@@ -108,8 +108,12 @@ TEST(BrdfEdit, AllTermsLeaveRoundingAlone) {
 TEST(BrdfEdit, BudgetsOfTermsAndBytesAreKept) {
   bool any_full = false;
   for (const CurveFrameRow& row : report().rows) {
-    if (row.budget == "5") EXPECT_LE(row.terms, 5u);
-    if (row.budget == "1MB") EXPECT_LE(row.bytes, 1'000'000u);
+    if (row.budget == "5") {
+      EXPECT_LE(row.terms, 5u);
+    }
+    if (row.budget == "1MB") {
+      EXPECT_LE(row.bytes, 1'000'000u);
+    }
     EXPECT_EQ(row.terms == 0, row.bytes == 0);
     any_full = any_full || (row.budget == "5" && row.terms == 5);
   }
@@ -140,7 +144,9 @@ TEST(BrdfEdit, UpdatesConvergeAtRestAndFreshSumsDoNot) {
     // More columns may leave more for a moment, where wavelets overlap in the image.
     EXPECT_LT(bi[i].error_l2, 1.5 * before + 1e-6) << i;
     before = bi[i].error_l2;
-    if (nwa[i].frames_since_edit > 1) EXPECT_EQ(nwa[i].error_l2, nwa[i - 1].error_l2);
+    if (nwa[i].frames_since_edit > 1) {
+      EXPECT_EQ(nwa[i].error_l2, nwa[i - 1].error_l2);
+    }
   }
 }
 
