@@ -45,11 +45,14 @@ std::unique_ptr<const Bake> open_bake(const ReportOptions& options) {
   const std::filesystem::path source(options.scene);
   if (source.extension() != ".json") return std::make_unique<const Bake>(source);
   Scene read = read_scene(source);
-  read.bake.reference_receivers = kReferenceReceivers;
+  // What follows curves needs no rows to measure against: its exact image is summed anew.
+  const bool of_curves = read.bake.kind == BakeKind::brdf_curve;
+  if (!of_curves) read.bake.reference_receivers = kReferenceReceivers;
   const auto scene = std::make_shared<const Scene>(std::move(read));
   const auto folder = make_folder(options) / (source.stem().string() + ".bake");
   ProgressBar bar("baking " + scene->name);
-  bake_image(scene, folder, [&bar](const BakeProgress& progress) {
+  const auto bake = of_curves ? bake_curves : bake_image;
+  bake(scene, folder, [&bar](const BakeProgress& progress) {
     bar.show(progress.stage, progress.fraction, !progress.resumed);
   });
   return std::make_unique<const Bake>(folder);
@@ -72,6 +75,7 @@ void add_report_command(CLI::App& app, Action& chosen) {
       app.add_subcommand("report", "Run an experiment on a bake; write its numbers and figures");
   command->require_subcommand(1);
   add_adaptive_sh_report(*command, chosen);
+  add_brdf_edit_report(*command, chosen);
   add_error_vs_time_report(*command, chosen);
   add_sh_policies_report(*command, chosen);
   add_storage_report(*command, chosen);

@@ -38,6 +38,7 @@ void publish(const nlohmann::json& report,
 
 // One function an experiment.
 void add_adaptive_sh_report(CLI::App& report, Action& chosen);
+void add_brdf_edit_report(CLI::App& report, Action& chosen);
 void add_error_vs_time_report(CLI::App& report, Action& chosen);
 void add_sh_policies_report(CLI::App& report, Action& chosen);
 void add_storage_report(CLI::App& report, Action& chosen);

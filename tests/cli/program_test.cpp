@@ -233,6 +233,41 @@ TEST_F(Program, ReportsOnASceneThatItBakesFirst) {
   EXPECT_THAT(without.errors, HasSubstr("--reference"));
 }
 
+TEST_F(Program, ReportsOnEditsOfCurves) {
+  write(folder_ / "balls.json", R"({ "name": "balls",
+    "camera": { "position": [0, 1.2, 3.4], "target": [0, 0.4, 0], "field_of_view": 32 },
+    "materials": { "pearl": { "model": "cook_torrance", "roughness": 0.3 } },
+    "objects": [ { "shape": "sphere", "radius": 0.5, "material": "pearl" } ],
+    "environments": ["studio", "cathedral"],
+    "bake": { "kind": "brdf_curve", "width": 32, "height": 32, "cube_size": 8, "bounces": 0,
+              "primary_rays": 4, "psnr_db": 30 } })");
+  write(folder_ / "session.json", R"({ "edits": [ { "material": "pearl", "axis": "half_angle",
+    "points": [[0, 9], [0.5, 1], [1, 0]], "rest": 2 } ] })");
+  const ProgramResult result = run_program(
+      {"report", "brdf-edit", path("balls.json"), "--session", path("session.json"), "--light",
+       "cathedral", "--policy", "bi@256", "--policy", "nwa@2", "-o", path("report"), "--json"});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  const json report = json::parse(result.output);
+  EXPECT_EQ(report.at("experiment"), "brdf-edit");
+  EXPECT_EQ(report.at("session"), "session");
+  ASSERT_EQ(report.at("rows").size(), 2u * 3);
+  EXPECT_EQ(report.at("rows")[0].at("run"), "bi@256");
+  EXPECT_EQ(report.at("rows")[0].at("light"), "cathedral");
+  EXPECT_LT(report.at("rows")[0].at("error_l2").get<double>(), 1e-5);
+  EXPECT_GT(report.at("rows")[3].at("error_l2").get<double>(), 1e-3);
+  EXPECT_EQ(report.at("stale").size(), 2u + 3 + 1);
+  EXPECT_EQ(report, json::parse(read_file(folder_ / "report" / "brdf-edit.json", kMostBytes)));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "report" / "brdf-edit.csv"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "report" / "brdf-edit-error-vs-terms.gp"));
+
+  // The pearl is there, cloth and posts of the built-in session are not.
+  const ProgramResult bad =
+      run_program({"report", "brdf-edit", path("report/balls.bake"), "-o", path("none")});
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_THAT(bad.errors, HasSubstr("found the material \"cloth\""));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "none"));
+}
+
 TEST_F(Program, ReportsOnVerticesWithoutABake) {
   const ProgramResult result =
       run_program({"report", "adaptive-sh", "--mesh", "orange", "--light", "studio", "--degree",
