@@ -186,7 +186,9 @@ struct CurveLayer::State {
 
   void shade_the_rest_quickly() {
     if (quick_version == freshness.version()) return;
-    RIMLIGHT_CHECK(shade_quickly(transport, *light, states, freshness.unshown_panels(), {}, quick));
+    const auto panels = freshness.unshown_panels();
+    RIMLIGHT_CHECK(shade_quickly(transport, *light, states, panels,
+                                 quick_detail(panels.size() * kPanelRows), {}, quick));
     quick_version = freshness.version();
   }
 

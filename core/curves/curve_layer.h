@@ -13,7 +13,7 @@ struct CurveLayerSettings {
   /// Texels of a light that has just changed that are summed exactly; the rest goes by means.
   std::size_t strongest_texels = 256;
   /// Rows whose exact value tells the error of such an image.
-  std::size_t sampled_rows = 32;
+  std::size_t sampled_rows = 256;
   /// So long does a frame under the light of the frame before make T′ where it is stale, so that it
   /// becomes fresh even where edits follow each other without a pause.
   double rebuild_ms = 40;

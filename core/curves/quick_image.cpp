@@ -1,13 +1,16 @@
 #include "core/curves/quick_image.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <optional>
 #include <vector>
 
 #include "core/base/check.h"
 #include "core/base/parallel.h"
 #include "core/curves/surface_light.h"
 #include "core/math/random.h"
+#include "core/transport/receivers.h"
 
 namespace rimlight {
 namespace {
@@ -59,12 +62,74 @@ std::vector<RowPlace> all_rows(const CurveTransport& rows, std::span<const std::
   return places;
 }
 
+/// Finds the row that stands for another: the first of its pair of pixels, or of its square of
+/// four, that is like it. Rows are asked for in order.
+class Leaders {
+ public:
+  Leaders(const CurveReceivers& receivers, const CurvePanel& panel, QuickDetail detail)
+      : receivers_(receivers), panel_(panel), detail_(detail) {}
+
+  std::optional<std::size_t> find(std::size_t row) {
+    if (detail_ == QuickDetail::every_row || surface_count(row) != 1) return std::nullopt;
+    // A block is 4 × 2 pixels, row by row (PixelLayout).
+    const std::uint32_t receiver = panel_.receivers[row];
+    const std::uint32_t block = receiver / kBlockReceivers, place = receiver % kBlockReceivers;
+    if (block != block_) rows_ = {kNone, kNone, kNone, kNone};
+    block_ = block;
+    std::size_t& first = rows_[detail_ == QuickDetail::one_of_two ? place / 2 : place % 4 / 2];
+    if (first != kNone && are_alike(first, row)) return first;
+    if (first == kNone) first = row;
+    return std::nullopt;
+  }
+
+ private:
+  static constexpr std::size_t kNone = ~std::size_t{0};
+
+  std::size_t surface_count(std::size_t row) const {
+    return panel_.first_surface[row + 1] - panel_.first_surface[row];
+  }
+  const CurveSurface& surface(std::size_t row) const {
+    return receivers_.surfaces[panel_.first_surface[row]];
+  }
+  bool are_alike(std::size_t a, std::size_t b) const {
+    constexpr float kAlike = 0.998f;
+    const auto like = [&](std::size_t point) {
+      return dot(surface(a).points[point].normal, surface(b).points[point].normal) >= kAlike;
+    };
+    return surface(a).tint == surface(b).tint && like(0) && like(kSurfacePoints - 1);
+  }
+
+  const CurveReceivers& receivers_;
+  const CurvePanel& panel_;
+  QuickDetail detail_;
+  std::uint32_t block_ = 0xffffffffu;
+  std::array<std::size_t, 4> rows_{kNone, kNone, kNone, kNone};
+};
+
+/// The radiance of a row of one surface, by the other's share of its pixel.
+void copy_row(const CurveReceivers& receivers, const CurvePanel& panel, std::size_t from,
+              std::size_t to, float* image) {
+  const auto share = [&](std::size_t row) {
+    return receivers.surfaces[panel.first_surface[row]].share;
+  };
+  const float scale = share(to) / share(from);
+  for (std::size_t c = 0; c < 3; ++c) {
+    image[c * kPanelRows + to] = image[c * kPanelRows + from] * scale;
+  }
+}
+
 }  // namespace
+
+QuickDetail quick_detail(std::size_t row_count) {
+  constexpr std::size_t kMostRows = 40'000;
+  if (row_count <= kMostRows) return QuickDetail::every_row;
+  return row_count <= 2 * kMostRows ? QuickDetail::one_of_two : QuickDetail::one_of_four;
+}
 
 bool shade_quickly(const CurveTransport& rows, const CurveLight& light,
                    std::span<const CurveMaterialState> states,
-                   std::span<const std::uint32_t> panels, const std::function<bool()>& abandon,
-                   std::span<float> image) {
+                   std::span<const std::uint32_t> panels, QuickDetail detail,
+                   const std::function<bool()>& abandon, std::span<float> image) {
   RIMLIGHT_CHECK_EQ(states.size(), rows.material_count());
   RIMLIGHT_CHECK_EQ(image.size(), rows.panels().size() * kPanelFloats);
   const CurveReceivers& receivers = rows.receivers();
@@ -81,7 +146,12 @@ bool shade_quickly(const CurveTransport& rows, const CurveLight& light,
     const CurvePanel& panel = rows.panels()[p];
     float* const to = image.data() + p * kPanelFloats;
     std::fill_n(to, kPanelFloats, 0.0f);
+    Leaders leaders(receivers, panel, detail);
     for (std::size_t row = 0; row < panel.row_count; ++row) {
+      if (const auto leader = leaders.find(row)) {
+        copy_row(receivers, panel, *leader, row, to);
+        continue;
+      }
       Vec3f radiance;
       for (auto s = panel.first_surface[row]; s < panel.first_surface[row + 1]; ++s) {
         radiance += shade_surface(receivers, s, light, shaders.state(panel), shaders.tables(panel));

@@ -18,9 +18,15 @@ namespace rimlight {
 /// over 4 × 4 texels. Exact when all texels are among the strongest. On all cores; `abandon` (may
 /// be empty) is asked before each panel, from several threads; false when it answered true, and
 /// then `image` is unspecified.
+///
+/// `detail` leaves rows out: of pixels beside each other whose normals are within 3.6°, one is
+/// shaded, and the others take its radiance by their share of the pixel.
+enum class QuickDetail : std::uint8_t { every_row, one_of_two, one_of_four };
+/// As coarse as so many rows need, by their number alone: up to 40,000 each is shaded.
+QuickDetail quick_detail(std::size_t row_count);
 [[nodiscard]] bool shade_quickly(const CurveTransport& rows, const CurveLight& light,
                                  std::span<const CurveMaterialState> states,
-                                 std::span<const std::uint32_t> panels,
+                                 std::span<const std::uint32_t> panels, QuickDetail detail,
                                  const std::function<bool()>& abandon, std::span<float> image);
 
 /// One row exactly: all texels, as T′ · c + fixed is but for its rounding.

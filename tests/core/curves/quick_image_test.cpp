@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/basis/cube_map.h"
 #include "tests/core/curves/curve_cases.h"
 
 namespace rimlight {
@@ -37,7 +38,8 @@ struct QuickCase {
   }
   void shade(std::size_t strongest) {
     const CurveLight found(sky, light, strongest);
-    ASSERT_TRUE(shade_quickly(transport, found, states, transport.all_panels(), {}, image));
+    ASSERT_TRUE(shade_quickly(transport, found, states, transport.all_panels(),
+                              QuickDetail::every_row, {}, image));
   }
   Vec3d row(std::size_t panel, std::size_t row) const {
     return row_of(std::span(image).subspan(panel * kPanelFloats, kPanelFloats), row);
@@ -134,8 +136,68 @@ TEST(QuickImage, IsAbandoned) {
   QuickCase test;
   const CurveLight light(test.sky, test.light, 5);
   EXPECT_FALSE(shade_quickly(
-      test.transport, light, test.states, test.transport.all_panels(), [] { return true; },
-      test.image));
+      test.transport, light, test.states, test.transport.all_panels(), QuickDetail::every_row,
+      [] { return true; }, test.image));
+}
+
+TEST(QuickDetail, RowsThatAreLikeNoOtherAreShadedAllTheSame) {
+  QuickCase test;
+  test.shade(20);
+  const auto every_row = test.image;
+  const CurveLight light(test.sky, test.light, 20);
+  for (const QuickDetail detail : {QuickDetail::one_of_two, QuickDetail::one_of_four}) {
+    ASSERT_TRUE(shade_quickly(test.transport, light, test.states, test.transport.all_panels(),
+                              detail, {}, test.image));
+    EXPECT_EQ(test.image, every_row);
+  }
+}
+
+/// 64 pixels of one surface, of which each shows its own share, the last ones turned away.
+struct FlatCase {
+  CurveScene scene{kSize};
+  std::vector<CurveMaterialState> states;
+
+  FlatCase() {
+    const CurveScene random = random_scene({QuickCase::materials()[0]}, 1, kSize, 4);
+    std::vector<std::uint8_t> fifths(cube::texel_count(kSize));
+    random.visibility.view().unpack(0, fifths);
+    for (std::uint32_t receiver = 0; receiver < 64; ++receiver) {
+      CurveSurface surface = random.surfaces[0];
+      surface.receiver = receiver;
+      surface.share = 0.25f + 0.01f * static_cast<float>(receiver);
+      if (receiver >= 60) surface.points = random.surfaces[1].points;
+      scene.surfaces.push_back(surface);
+      scene.visibility.add(fifths);
+    }
+    scene.materials = random.materials;
+    states.push_back(baked_state(scene.materials[0]));
+  }
+};
+
+TEST(QuickDetail, LikeRowsTakeTheRadianceOfOneByTheirShare) {
+  const FlatCase test;
+  const CurveTransport transport(test.scene.receivers());
+  const CurveSky sky(kSize);
+  const CurveLight light(sky, random_light(kSize, 3), 20);
+  std::vector<float> all(kPanelFloats), some(kPanelFloats);
+  const auto panels = transport.all_panels();
+  ASSERT_TRUE(
+      shade_quickly(transport, light, test.states, panels, QuickDetail::every_row, {}, all));
+  for (const QuickDetail detail : {QuickDetail::one_of_two, QuickDetail::one_of_four}) {
+    std::ranges::fill(some, NAN);
+    ASSERT_TRUE(shade_quickly(transport, light, test.states, panels, detail, {}, some));
+    // Radiance is in proportion to the share, so that copies are exact here.
+    for (std::size_t i = 0; i < kPanelFloats; ++i) {
+      EXPECT_NEAR(some[i], all[i], 1e-5f * all[i]) << i;
+    }
+  }
+}
+
+TEST(QuickDetail, FollowsTheNumberOfRows) {
+  EXPECT_EQ(quick_detail(0), QuickDetail::every_row);
+  EXPECT_EQ(quick_detail(40'000), QuickDetail::every_row);
+  EXPECT_EQ(quick_detail(40'001), QuickDetail::one_of_two);
+  EXPECT_EQ(quick_detail(1'000'000), QuickDetail::one_of_four);
 }
 
 }  // namespace
