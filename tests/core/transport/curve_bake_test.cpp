@@ -114,6 +114,18 @@ TEST(CurveBake, NeedsNoMeasuredBrdfAndABakeOfImagesHasNoCurves) {
   EXPECT_EQ(image.curve_receivers().visibility.surface_count(), 0u);
 }
 
+TEST(CurveBake, TheDocumentsExampleHasAllFields) {
+  const std::string page = read("docs/formats/bake.md"), fence = "```json\n";
+  const std::size_t begin = page.rfind(fence) + fence.size();
+  const json example =
+      parse_json(page.substr(begin, page.find("```", begin) - begin), "docs/formats/bake.md");
+  const JsonReader reader(example, "docs/formats/bake.md");
+  EXPECT_EQ(curve_materials_to_json(read_curve_materials(reader.member("materials"))),
+            example["materials"]);
+  EXPECT_EQ(measured_to_json(read_measured(reader.member("measured_brdfs"))),
+            example["measured_brdfs"]);
+}
+
 /// A tensor of curves.safetensors, to be changed.
 struct Tensor {
   TensorShape shape;
