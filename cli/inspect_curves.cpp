@@ -25,7 +25,7 @@ json describe_curves(const CurveReceivers& curves) {
     const CurveMaterial& material = curves.materials[i];
     result["materials"].push_back(
         {{"name", material.name},
-         {"model", brdf_model_name(material.brdf.model)},
+         {"model", material.measured ? "measured" : brdf_model_name(material.brdf.model)},
          {"surfaces", std::ranges::count(curves.surfaces, i, &CurveSurface::material)}});
   }
   return result;

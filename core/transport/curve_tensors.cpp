@@ -192,7 +192,8 @@ SkyVisibilityView read_sky_visibility(const TensorFile& file, const std::string&
 }
 
 void read_measured_factors(const TensorFile& file, const std::string& path,
-                           std::vector<CurveMaterial>& measured) {
+                           BakeManifest& manifest) {
+  std::vector<CurveMaterial>& measured = manifest.measured_brdfs;
   const std::size_t count = measured.size();
   const auto read = [&](const char* name, std::size_t values) {
     const auto numbers = read_tensor<float>(file, path, name, ElementType::f32, {count, values, 3});
@@ -209,6 +210,11 @@ void read_measured_factors(const TensorFile& file, const std::string& path,
     std::ranges::copy(difference.subspan(i * kCurveBins, kCurveBins),
                       factors.difference_angle.values.begin());
     std::ranges::copy(rest.subspan(i * kRestKnots, kRestKnots), factors.rest.begin());
+  }
+  for (CurveMaterial& material : manifest.materials) {
+    if (!material.measured) continue;
+    material.measured =
+        std::ranges::find(measured, material.measured_name, &CurveMaterial::name)->measured;
   }
 }
 

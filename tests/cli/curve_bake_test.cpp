@@ -11,6 +11,7 @@
 
 #include "core/base/files.h"
 #include "core/image/image_file.h"
+#include "tests/support/brdf_files.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -125,6 +126,37 @@ TEST_F(CurveProgram, MaterialsThatAreAllEditableMayLeaveTheTransportBlack) {
   EXPECT_EQ(json::parse(baked.output).at("transport_bytes"), 0);
   EXPECT_EQ(inspect("a.bake").at("curves").at("materials").size(), 3u);
   ASSERT_EQ(bake("image.bake", {"--width", "32", "--height", "32", "--kind", "image_haar"}).status,
+            0);
+  EXPECT_GE(display_psnr(picture("a.bake", "0,0,0,1"), picture("image.bake", "0,0,0,1")), 40);
+}
+
+TEST_F(CurveProgram, MeasuredBrdfsAreFittedAndKept) {
+  std::ofstream(folder_ / "silk.bsdf", std::ios::binary)
+      << test::rgl_file(test::small_rgl_fields(0.5f, 1, {0.6f, 0.4f, 0.2f}));
+  std::string scene = kScene;
+  const std::string clay = R"("model": "lambert", "albedo": [0.7, 0.5, 0.4])";
+  scene.replace(scene.find(clay), clay.size(), R"("model": "measured", "measured": "blue")");
+  scene.replace(scene.find("\"materials\""), 0,
+                R"("measured": ["silk.bsdf", { "file": "silk.bsdf", "name": "blue" }], )");
+  std::ofstream(folder_ / "scene.json") << scene;
+  const ProgramResult baked = bake("a.bake", {"--width", "24", "--height", "24"});
+  ASSERT_EQ(baked.status, 0) << baked.errors;
+  EXPECT_THAT(baked.errors, HasSubstr("silk: fitted with an error of"));
+  const json fits = json::parse(baked.output).at("measured");
+  ASSERT_EQ(fits.size(), 2u);
+  for (const json& fit : fits) {
+    EXPECT_GT(fit.at("fit_error_logarithmic")[0].get<double>(), 0);
+    EXPECT_GT(fit.at("largest_albedo").get<double>(), 0.1);
+  }
+  const json curves = inspect("a.bake").at("curves");
+  EXPECT_EQ(curves.at("materials")[0].at("model"), "measured");
+  ASSERT_EQ(curves.at("measured").size(), 2u);
+  EXPECT_EQ(curves.at("measured")[1].at("name"), "blue");
+  EXPECT_EQ(curves.at("measured")[1].at("fit_error_relative"), fits[1].at("fit_error_relative"));
+  EXPECT_THAT(run_program({"inspect", path("a.bake")}).output, HasSubstr("blue"));
+  picture("a.bake", "0,0,0,1");
+  // A base material in the other kinds, too.
+  ASSERT_EQ(bake("image.bake", {"--width", "24", "--height", "24", "--kind", "image_haar"}).status,
             0);
   EXPECT_GE(display_psnr(picture("a.bake", "0,0,0,1"), picture("image.bake", "0,0,0,1")), 40);
 }

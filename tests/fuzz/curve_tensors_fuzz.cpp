@@ -54,7 +54,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         if (value > SkyVisibilityView::kAll) std::abort();
       }
     }
-    read_measured_factors(file, "input", manifest.measured_brdfs);
+    read_measured_factors(file, "input", manifest);
   });
   std::filesystem::remove(scratch_file());
   return result;

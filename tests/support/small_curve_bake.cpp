@@ -96,6 +96,11 @@ CurveBakeParts::CurveBakeParts(std::uint64_t seed)
   for (const char* const name : {"cloth", "silk"}) {
     manifest.measured_brdfs.push_back(random_measured(random, name));
   }
+  const CurveMaterial& cloth = manifest.measured_brdfs.front();
+  manifest.materials.push_back({.name = "coat",
+                                .brdf = {.albedo = {}},
+                                .measured = cloth.measured,
+                                .measured_name = cloth.name});
   for (int i = 0; i < kSurfaces; ++i) surfaces.push_back(random_surface(random, manifest));
   std::ranges::sort(surfaces, {}, [](const CurveSurface& surface) {
     return std::tuple(surface.receiver / kTileReceivers, surface.material, surface.receiver);

@@ -9,7 +9,7 @@
 
 namespace rimlight::test {
 
-/// A bake of kind brdf_curve with a material of each model, two measured BRDFs, and random
+/// A bake of kind brdf_curve with a material of each model and a measured one, two measured BRDFs, and random
 /// surfaces in all tiles of the picture.
 struct CurveBakeParts {
   explicit CurveBakeParts(std::uint64_t seed = 1);
