@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cli/command.h"
+#include "cli/measured_report.h"
 #include "cli/number_range.h"
 #include "cli/progress_bar.h"
 #include "core/bake/image_bake.h"
@@ -91,8 +92,9 @@ void check_options(const BakeOptions& options, BakeKind kind) {
   }
 }
 
-void print_result(const BakeSummary& summary, const Scene& scene, const std::string& folder,
-                  bool json) {
+/// `measured` as describe_measured() gives it.
+void print_result(const BakeSummary& summary, const Scene& scene, const nlohmann::json& measured,
+                  const std::string& folder, bool json) {
   if (json) {
     const nlohmann::json result = {{"bake", folder},
                                    {"seconds", summary.seconds},
@@ -100,6 +102,7 @@ void print_result(const BakeSummary& summary, const Scene& scene, const std::str
                                    {"transport_bytes", summary.bytes},
                                    {"worst_psnr_db", summary.worst_psnr_db},
                                    {"worst_light", summary.worst_light},
+                                   {"measured", measured},
                                    {"dropped_triangles", scene.dropped_triangles}};
     std::printf("%s\n", result.dump().c_str());
     return;
@@ -159,6 +162,8 @@ int run(const BakeOptions& options) {
     std::fprintf(stderr, "rimlight bake: %s: dropped %zu degenerate triangles\n",
                  options.scene.c_str(), read.dropped_triangles);
   }
+  const nlohmann::json measured = describe_measured(read);
+  print_measured(measured);
   const auto scene = std::make_shared<const Scene>(std::move(read));
   const auto folder = output_folder(options);
   const auto with_bar = [&scene](const auto& bake) {
@@ -173,7 +178,7 @@ int run(const BakeOptions& options) {
   } else {
     const auto bake = scene->bake.kind == BakeKind::brdf_curve ? bake_curves : bake_image;
     print_result(with_bar([&](const auto& show) { return bake(scene, folder, show); }), *scene,
-                 folder.string(), options.json);
+                 measured, folder.string(), options.json);
   }
   return 0;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cli/command.h"
+#include "cli/inspect_curves.h"
 #include "cli/inspect_parts.h"
 #include "cli/inspect_vertices.h"
 #include "core/basis/cube_haar.h"
@@ -92,6 +93,7 @@ json describe(const Bake& bake) {
   for (int band = 0; band < haar.band_count(); ++band) {
     result["bands"].push_back(describe_band(bake, haar, band));
   }
+  if (bake.has_curves()) result["curves"] = describe_curves(bake.curve_receivers());
   describe_files(bake.files(), result);
   describe_environments(bake.environments(), result);
   return result;
@@ -119,6 +121,7 @@ void print(const json& bake, bool verified) {
                 100 - 100 * static_cast<double>(luma) / static_cast<double>(blocks),
                 mebibytes(band["bytes"]));
   }
+  if (bake.contains("curves")) print_curves(bake["curves"]);
   print_common(bake);
 }
 

@@ -1,5 +1,6 @@
 #include "cli/inspect_parts.h"
 
+#include <array>
 #include <cstdio>
 
 namespace rimlight {
@@ -29,6 +30,13 @@ std::string printable(const std::string& name) {
 }
 
 double mebibytes(const json& bytes) { return bytes.get<double>() / (1 << 20); }
+
+std::string three_numbers(const json& numbers) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.3f %.3f %.3f", numbers[0].get<double>(),
+                numbers[1].get<double>(), numbers[2].get<double>());
+  return text.data();
+}
 
 void describe_files(const std::vector<std::pair<std::string, std::uint64_t>>& files, json& result) {
   std::uint64_t bytes = 0;

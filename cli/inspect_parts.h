@@ -24,6 +24,9 @@ void print_common(const nlohmann::json& bake);
 
 double mebibytes(const nlohmann::json& bytes);
 
+/// "0.500 0.250 0.125" of an array of three.
+std::string three_numbers(const nlohmann::json& numbers);
+
 /// A name as JSON escapes it, without the quotes: nothing in it moves the cursor.
 std::string printable(const std::string& name);
 

@@ -1,6 +1,5 @@
 #include "cli/inspect_vertices.h"
 
-#include <array>
 #include <cstdio>
 #include <span>
 #include <string>
@@ -102,16 +101,10 @@ void print_vertex_bake(const json& bake, bool verified) {
   std::printf(
       "\n  material                       albedo              highlight           exponent\n");
   for (const json& material : bake["materials"]) {
-    const auto rgb = [](const json& v) {
-      std::array<char, 64> text{};
-      std::snprintf(text.data(), text.size(), "%.3f %.3f %.3f", v[0].get<double>(),
-                    v[1].get<double>(), v[2].get<double>());
-      return std::string(text.data());
-    };
     std::printf("  %-28s   %-17s   %-17s   %.1f\n",
                 printable(material["name"].get<std::string>()).c_str(),
-                rgb(material["albedo"]).c_str(), rgb(material["highlight"]).c_str(),
-                material["exponent"].get<double>());
+                three_numbers(material["albedo"]).c_str(),
+                three_numbers(material["highlight"]).c_str(), material["exponent"].get<double>());
   }
   print_common(bake);
 }

@@ -173,6 +173,15 @@ void collect(const std::vector<GroupResult>& groups, CurveSurfaces& all) {
   }
 }
 
+/// As a bake keeps it: a measured one without what points into the scene.
+CurveMaterial curve_material(const Material& material) {
+  if (material.measured == nullptr) return {material.name, material.brdf};
+  return {.name = material.name,
+          .brdf = {.albedo = {}},
+          .measured = material.measured->factors(),
+          .measured_name = material.measured_name};
+}
+
 }  // namespace
 
 MaterialSet EditableMaterials::set() const {
@@ -201,7 +210,7 @@ EditableMaterials find_editable_materials(const Scene& scene) {
                                            : std::ranges::find(names, material.name) != names.end();
     if (!is_editable) continue;
     result.index[i] = static_cast<std::uint32_t>(result.materials.size());
-    result.materials.push_back({material.name, material.brdf});
+    result.materials.push_back(curve_material(material));
   }
   if (result.materials.empty()) {
     throw Error(scene.name, "no material with a gloss", "a material whose BRDF can be edited");

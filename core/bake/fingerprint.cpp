@@ -1,5 +1,7 @@
 #include "core/bake/fingerprint.h"
 
+#include <array>
+#include <cstddef>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -30,6 +32,10 @@ class Hasher {
     add(v.y);
     add(v.z);
   }
+  template <std::size_t kCount>
+  void add(const std::array<Vec3f, kCount>& values) {
+    for (const Vec3f& value : values) add(value);
+  }
   template <typename T>
   void add_all(const std::vector<T>& values) {
     add(values.size());
@@ -55,6 +61,12 @@ void add_material(Hasher& hasher, const Material& material) {
     hasher.add(brdf.exponent_across);
     hasher.add(brdf.roughness_across);
     hasher.add(material.tangent);
+  }
+  if (material.measured != nullptr) {
+    const FactoredBrdf& factors = material.measured->factors();
+    hasher.add(factors.half_angle.values);
+    hasher.add(factors.difference_angle.values);
+    hasher.add(factors.rest);
   }
   if (material.albedo_texture == nullptr) return;
   hasher.add(material.albedo_texture->width);

@@ -76,6 +76,10 @@ BakeSummary bake_curves(const std::shared_ptr<const Scene>& scene,
   });
   CurvePart part;
   part.materials = editable.materials;
+  for (const MeasuredReflection& each : scene->measured) {
+    part.measured.push_back(
+        {.name = each.name, .brdf = {.albedo = {}}, .measured = each.lobe->factors()});
+  }
   part.images = std::move(found.images);
   part.receivers = {part.materials, part.measured, found.surfaces, found.visibility.view()};
   std::uint64_t apart = fingerprint(*scene);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/bake/diffusion_dipole.h"
+#include "core/material/measured_lobe.h"
 #include "core/math/quadrature.h"
 
 namespace rimlight {
@@ -27,6 +28,8 @@ double half_vector_width(const Brdf& brdf) {
       return of_exponent(brdf.exponent);
     case BrdfModel::ashikhmin_shirley:
       return of_exponent(std::min(brdf.exponent, brdf.exponent_across));
+    case BrdfModel::measured:
+      return brdf.measured->roughness();
     case BrdfModel::ward:
       return std::max(brdf.roughness, brdf.roughness_across);
     default:

@@ -31,6 +31,8 @@ ModelFields fields_of(BrdfModel model) {
       return {.name = "ward", .roughness = true, .roughness_across = true};
     case BrdfModel::ashikhmin_shirley:
       return {.name = "ashikhmin_shirley", .exponent = true, .exponent_across = true};
+    case BrdfModel::measured:
+      return {.name = "measured", .albedo = false, .specular = false};
   }
   return {};
 }

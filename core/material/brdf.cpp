@@ -7,6 +7,7 @@
 #include "core/material/blinn_phong.h"
 #include "core/material/cook_torrance.h"
 #include "core/material/fresnel.h"
+#include "core/material/measured_lobe.h"
 #include "core/material/phong.h"
 #include "core/material/ward.h"
 
@@ -25,7 +26,8 @@ bool is_black(const Vec3f& rgb) { return !(max_component(rgb) > 0); }
 /// Ashikhmin and Shirley's Fresnel reflects at grazing angles without any at normal incidence.
 bool has_lobe(const Brdf& brdf) {
   if (brdf.model == BrdfModel::lambert) return false;
-  return brdf.model == BrdfModel::ashikhmin_shirley || !is_black(brdf.specular);
+  return brdf.model == BrdfModel::ashikhmin_shirley || brdf.model == BrdfModel::measured ||
+         !is_black(brdf.specular);
 }
 
 Vec3f diffuse_term(const Brdf& brdf, const Vec3f& in, const Vec3f& out) {
@@ -34,6 +36,8 @@ Vec3f diffuse_term(const Brdf& brdf, const Vec3f& in, const Vec3f& out) {
       return cook_torrance::diffuse(brdf, in.z, out.z);
     case BrdfModel::ashikhmin_shirley:
       return ashikhmin_shirley::diffuse(brdf, in, out);
+    case BrdfModel::measured:
+      return {};
     default:
       return brdf.albedo * kInversePi;
   }
@@ -53,6 +57,8 @@ Vec3f specular_term(const Brdf& brdf, const Vec3f& in, const Vec3f& out) {
       return ward::lobe(brdf, in, out);
     case BrdfModel::ashikhmin_shirley:
       return ashikhmin_shirley::lobe(brdf, in, out);
+    case BrdfModel::measured:
+      return brdf.measured->evaluate(in, out);
   }
   return {};
 }
@@ -72,6 +78,8 @@ float specular_density(const Brdf& brdf, const Vec3f& in, const Vec3f& out) {
       return ward::density(brdf, in, out);
     case BrdfModel::ashikhmin_shirley:
       return ashikhmin_shirley::density(brdf, in, out);
+    case BrdfModel::measured:
+      return brdf.measured->density(in, out);
   }
   return 0;
 }
@@ -91,6 +99,8 @@ Vec3f draw_specular(const Brdf& brdf, const Vec3f& out, double rest, const Sampl
       return ward::draw(brdf, out, at);
     case BrdfModel::ashikhmin_shirley:
       return ashikhmin_shirley::draw(brdf, out, at);
+    case BrdfModel::measured:
+      return brdf.measured->draw(out, at);
   }
   return {};
 }
@@ -99,6 +109,8 @@ Vec3f draw_specular(const Brdf& brdf, const Vec3f& out, double rest, const Sampl
 /// but never so little that its weights grow large.
 float specular_probability(const Brdf& brdf, float mu_out) {
   if (!has_lobe(brdf)) return 0;
+  // Half of all directions by the cosine: the factors that are not drawn from may be large.
+  if (brdf.model == BrdfModel::measured) return 0.5f;
   if (is_black(brdf.albedo)) return 1;
   float specular = mean(brdf.specular);
   float diffuse = mean(brdf.albedo);
@@ -170,6 +182,8 @@ bool is_glossy(const Brdf& brdf) {
       return std::min(brdf.roughness, brdf.roughness_across) < 0.35f;
     case BrdfModel::ashikhmin_shirley:
       return std::max(brdf.exponent, brdf.exponent_across) > 16;
+    case BrdfModel::measured:
+      return brdf.measured->roughness() < 0.35f;
   }
   return false;
 }

@@ -7,11 +7,21 @@
 
 namespace rimlight {
 
-enum class BrdfModel { lambert, phong, cook_torrance, blinn_phong, ward, ashikhmin_shirley };
+class MeasuredLobe;
 
-/// A surface's reflection: a Lambert part plus at most one specular lobe. All are reciprocal and
-/// reflect at most what they get. θ_h, φ_h are the half vector's polar angles, θ_d its angle to
-/// either direction, n an exponent.
+enum class BrdfModel {
+  lambert,
+  phong,
+  cook_torrance,
+  blinn_phong,
+  ward,
+  ashikhmin_shirley,
+  measured
+};
+
+/// A surface's reflection: a Lambert part plus at most one specular lobe. All are reciprocal, and
+/// all but measured ones reflect at most what they get. θ_h, φ_h are the half vector's polar
+/// angles, θ_d its angle to either direction, n an exponent.
 ///   lambert            albedo / π
 ///   phong              energy-normalised, reciprocal modified Phong (Lafortune and Willems 1994):
 ///                      specular · (n + 2) / 2π · max(0, cos α)^n, α between the mirror direction
@@ -27,6 +37,8 @@ enum class BrdfModel { lambert, phong, cook_torrance, blinn_phong, ward, ashikhm
 ///   ashikhmin_shirley  anisotropic Phong (Ashikhmin and Shirley 2000): exponents `exponent` along
 ///                      x and `exponent_across` along y, `specular` the reflectance at normal
 ///                      incidence (Schlick's Fresnel), and their diffuse term for `albedo`
+///   measured           a measured isotropic BRDF as a product of factors (measured_lobe.h); no
+///                      other parameter counts
 /// Domain (checked by the scene reader): albedo, specular in [0, 1] each channel; for phong,
 /// blinn_phong and ward also albedo + specular ≤ 1; exponents in [1, 1e5]; roughnesses (Beckmann m)
 /// in [1e-4, 1]; eta in [0.05, 100], k in [0, 100]. A Lambert part under a Cook–Torrance lobe is
@@ -43,6 +55,8 @@ struct Brdf {
   Vec3f k{0, 0, 0};
   float exponent_across = 50;     // ashikhmin_shirley
   float roughness_across = 0.2f;  // ward
+  /// Of the model measured, else null; its owner, the scene's material, outlives all copies.
+  const MeasuredLobe* measured = nullptr;
 };
 
 /// Directions are unit, local to the shading frame (normal = +z) and point away from the surface.

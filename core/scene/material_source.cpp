@@ -6,11 +6,13 @@
 
 #include "core/base/error.h"
 #include "core/image/image_file.h"
+#include "core/scene/measured_source.h"
 
 namespace rimlight {
 namespace {
 
 constexpr double kLargestCoordinate = 1e6;
+constexpr std::size_t kLongestName = 200;
 
 /// Sets `value` from an optional field.
 void read_optional(const JsonReader& json, std::string_view name, double low, double high,
@@ -113,8 +115,8 @@ Subsurface read_subsurface(const JsonReader& json) {
 }
 
 Brdf read_brdf(const JsonReader& json) {
-  switch (json.member("model").one_of(
-      {"lambert", "phong", "cook_torrance", "blinn_phong", "ward", "ashikhmin_shirley"})) {
+  switch (json.member("model").one_of({"lambert", "phong", "cook_torrance", "blinn_phong", "ward",
+                                       "ashikhmin_shirley", "measured"})) {
     case 0:
       return read_lambert(json);
     case 1:
@@ -125,12 +127,22 @@ Brdf read_brdf(const JsonReader& json) {
       return read_phong(json, BrdfModel::blinn_phong);
     case 4:
       return read_ward(json);
-    default:
+    case 5:
       return read_ashikhmin_shirley(json);
+    default:
+      return {.model = BrdfModel::measured, .albedo = {}};
   }
 }
 
 }  // namespace
+
+std::string read_name(const JsonReader& json) {
+  const std::string name = json.string();
+  if (name.empty() || name.size() > kLongestName) {
+    json.fail("a name of 1 to " + std::to_string(kLongestName) + " bytes");
+  }
+  return name;
+}
 
 Vec3d read_point(const JsonReader& json) {
   const std::vector<double> xyz = json.numbers(3, -kLargestCoordinate, kLargestCoordinate);
@@ -144,10 +156,17 @@ Vec3f read_channels(const JsonReader& json, double low, double high) {
 }
 
 Material read_material(const JsonReader& json, const std::string& name,
-                       const std::filesystem::path& folder) {
+                       const std::filesystem::path& folder,
+                       std::vector<MeasuredReflection>& measured) {
   Material material;
   material.name = name;
   material.brdf = read_brdf(json);
+  if (material.brdf.model == BrdfModel::measured) {
+    const MeasuredReflection& found = read_measured_of_material(json, folder, measured);
+    material.measured = found.lobe;
+    material.measured_name = found.name;
+    material.brdf.measured = found.lobe.get();
+  }
   if (const auto tangent = json.optional_member("tangent")) {
     material.tangent = Vec3f(read_point(*tangent));
     if (!(length(material.tangent) >= 1e-6f)) tangent->fail("a direction");

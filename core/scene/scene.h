@@ -12,6 +12,7 @@
 #include "core/light/environment.h"
 #include "core/light/sun_and_sky.h"
 #include "core/material/brdf.h"
+#include "core/material/measured_lobe.h"
 #include "core/math/camera.h"
 #include "core/math/vec.h"
 
@@ -48,6 +49,17 @@ struct Material {
   /// nearly as the surface allows: that of the brush, say. It does not turn with objects.
   Vec3f tangent{1, 0, 0};
   std::optional<Subsurface> subsurface = std::nullopt;
+  /// Of the model measured: what brdf.measured points to, and its name among the scene's.
+  std::shared_ptr<const MeasuredLobe> measured = nullptr;
+  std::string measured_name = {};
+};
+
+/// A measured BRDF, read from its file and factorized. Bakes of kind brdf_curve keep all of a
+/// scene's, so that sessions may load them.
+struct MeasuredReflection {
+  std::string name;
+  std::filesystem::path file;
+  std::shared_ptr<const MeasuredLobe> lobe;
 };
 
 /// What a bake's receivers and its basis are: pixels and Haar functions on a cube map, or vertices
@@ -101,7 +113,8 @@ struct Scene {
   Camera camera;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
-  std::vector<Environment> environments;  // at least one; the first is the default
+  std::vector<MeasuredReflection> measured;  // names differ
+  std::vector<Environment> environments;     // at least one; the first is the default
   BakeSettings bake;
   std::size_t dropped_triangles = 0;  // degenerate ones, which are dropped and counted
 };

@@ -10,6 +10,7 @@
 #include "core/base/files.h"
 #include "core/base/json_reader.h"
 #include "core/scene/material_source.h"
+#include "core/scene/measured_source.h"
 #include "core/scene/object_source.h"
 #include "core/scene/terrace.h"
 
@@ -22,17 +23,8 @@ constexpr std::size_t kLargestSource = std::size_t{16} << 20;
 constexpr std::size_t kMostObjects = 10'000;
 constexpr std::size_t kMostMaterials = 10'000;
 constexpr std::size_t kMostEnvironments = 64;
-constexpr std::size_t kLongestName = 200;
 constexpr std::size_t kMostEditable = 256;
 constexpr int kLeastCurveCubeSize = 8;  // what surfaces see of the sky is kept in blocks of 8 × 8
-
-std::string read_name(const JsonReader& json) {
-  const std::string name = json.string();
-  if (name.empty() || name.size() > kLongestName) {
-    json.fail("a name of 1 to " + std::to_string(kLongestName) + " bytes");
-  }
-  return name;
-}
 
 Camera read_camera(const JsonReader& json) {
   json.allow_only({"position", "target", "up", "field_of_view"});
@@ -194,13 +186,14 @@ ObjectContext read_materials(const JsonReader& json, const fs::path& folder, Sce
   }
   for (const auto& [name, material] : members) {
     context.material_named[name] = static_cast<std::uint32_t>(scene.materials.size());
-    scene.materials.push_back(read_material(material, name, folder));
+    scene.materials.push_back(read_material(material, name, folder, scene.measured));
   }
   return context;
 }
 
 Scene read_document(const JsonReader& json, const fs::path& folder) {
-  json.allow_only({"$schema", "name", "camera", "materials", "objects", "environments", "bake"});
+  json.allow_only(
+      {"$schema", "name", "camera", "measured", "materials", "objects", "environments", "bake"});
   Scene scene;
   const auto name = json.optional_member("name");
   scene.name = name ? read_name(*name) : fs::path(json.source()).stem().string();
@@ -208,6 +201,9 @@ Scene read_document(const JsonReader& json, const fs::path& folder) {
   if (const auto bake = json.optional_member("bake")) scene.bake = read_bake(*bake);
   std::optional<Camera> camera;
   if (const auto field = json.optional_member("camera")) camera = read_camera(*field);
+  if (const auto measured = json.optional_member("measured")) {
+    scene.measured = read_measured_list(*measured, folder);
+  }
   ObjectContext context{folder, {}};
   if (const auto materials = json.optional_member("materials")) {
     context = read_materials(*materials, folder, scene);

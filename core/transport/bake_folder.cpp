@@ -24,7 +24,7 @@ Bake::Bake(const std::filesystem::path& folder)
   const TensorFile& curves = files_.file(kCurvesFile);
   surfaces_ = read_curve_surfaces(curves, path(kCurvesFile), manifest_);
   visibility_ = read_sky_visibility(curves, path(kCurvesFile), manifest_, surfaces_.size());
-  read_measured_factors(curves, path(kCurvesFile), manifest_.measured_brdfs);
+  read_measured_factors(curves, path(kCurvesFile), manifest_);
 }
 
 CurveReceivers Bake::curve_receivers() const {

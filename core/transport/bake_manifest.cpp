@@ -107,6 +107,7 @@ BakeManifest read_manifest(const JsonReader& reader) {
     manifest.kind = kCurveKind;
     manifest.materials = read_curve_materials(reader.member("materials"));
     manifest.measured_brdfs = read_measured(reader.member("measured_brdfs"));
+    check_measured_names(reader.member("materials"), manifest);
   }
   reader.allow_only(fields);
   manifest.scene = reader.member("scene").string();

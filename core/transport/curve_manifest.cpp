@@ -18,6 +18,9 @@ constexpr BrdfModel kModelOfName[] = {BrdfModel::lambert,       BrdfModel::phong
                                       BrdfModel::cook_torrance, BrdfModel::ward,
                                       BrdfModel::blinn_phong,   BrdfModel::ashikhmin_shirley};
 
+/// In the place of a model.
+constexpr const char* kMeasuredModel = "measured";
+
 template <typename T>
 json to_json(const Vec3<T>& v) {
   return {v.x, v.y, v.z};
@@ -34,6 +37,10 @@ Vec3d read_errors(const JsonReader& reader) {
 }
 
 json to_json(const CurveMaterial& material) {
+  if (material.measured) {
+    return {
+        {"name", material.name}, {"model", kMeasuredModel}, {"measured", material.measured_name}};
+  }
   const Brdf& brdf = material.brdf;
   return {{"name", material.name},
           {"model", brdf_model_name(brdf.model)},
@@ -45,12 +52,23 @@ json to_json(const CurveMaterial& material) {
           {"k", to_json(brdf.k)}};
 }
 
+/// Its factors are those of one of the bake's measured BRDFs.
+CurveMaterial read_measured_material(const JsonReader& reader) {
+  reader.allow_only({"name", "model", "measured"});
+  return {.name = reader.member("name").string(),
+          .brdf = {.albedo = {}},
+          .measured = FactoredBrdf{},
+          .measured_name = reader.member("measured").string()};
+}
+
 CurveMaterial read_curve_material(const JsonReader& reader) {
+  const JsonReader model = reader.member("model");
+  if (model.is_string() && model.string() == kMeasuredModel) return read_measured_material(reader);
   reader.allow_only({"name", "model", "albedo", "specular", "exponent", "roughness", "eta", "k"});
   CurveMaterial material;
   material.name = reader.member("name").string();
   Brdf& brdf = material.brdf;
-  brdf.model = kModelOfName[reader.member("model").one_of(kModels)];
+  brdf.model = kModelOfName[model.one_of(kModels)];
   brdf.albedo = read_channels(reader.member("albedo"), 0, 1);
   brdf.specular = read_channels(reader.member("specular"), 0, 1);
   // Domains of brdf.h, with room for how floats are written.
@@ -118,6 +136,18 @@ std::vector<CurveMaterial> read_measured(const JsonReader& reader) {
     factors.valid_share = element.member("valid_share").number(0, 1);
     return material;
   });
+}
+
+void check_measured_names(const JsonReader& materials, const BakeManifest& manifest) {
+  const std::vector<JsonReader> elements = materials.elements();
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const CurveMaterial& material = manifest.materials[i];
+    if (!material.measured) continue;
+    if (std::ranges::find(manifest.measured_brdfs, material.measured_name, &CurveMaterial::name) ==
+        manifest.measured_brdfs.end()) {
+      elements[i].member("measured").fail("the name of one of measured_brdfs");
+    }
+  }
 }
 
 }  // namespace rimlight

@@ -20,6 +20,7 @@ struct CurveMaterial {
   Brdf brdf;
   /// A measured one in the place of `brdf`, in factors.
   std::optional<FactoredBrdf> measured = {};
+  std::string measured_name = {};  // that one's, among the bake's
 };
 
 /// A hit that stands for a surface in one quarter of each texel: unit vectors in the world. The

@@ -41,10 +41,8 @@ bool is_good(const SurfacePoint& point) {
          is_finite(point.tangent) && length(point.tangent) < 1e6f;
 }
 
-bool is_good(const CurveSurface& surface) {
-  const Vec3f& tint = surface.tint;
-  return surface.share > 0 && surface.share <= 1 && is_finite(tint) && tint.x >= 0 && tint.y >= 0 &&
-         tint.z >= 0 && max_component(tint) <= kLargestTint;
+bool is_tint(const Vec3f& v) {
+  return is_finite(v) && v.x >= 0 && v.y >= 0 && v.z >= 0 && max_component(v) <= kLargestTint;
 }
 
 auto order(const CurveSurface& surface) {
@@ -60,7 +58,8 @@ void check_surfaces(const std::vector<CurveSurface>& surfaces, const std::string
     if (surface.material >= manifest.materials.size()) {
       fail(path, "material", i, "one of the manifest's materials");
     }
-    if (!is_good(surface)) fail(path, "share", i, "a share of (0, 1], a finite tint of 0 or more");
+    if (!(surface.share > 0 && surface.share <= 1)) fail(path, "share", i, "above 0, at most 1");
+    if (!is_tint(surface.tint)) fail(path, "tint", i, "finite numbers of 0 to 1e6");
     if (!std::ranges::all_of(surface.points, [](const auto& p) { return is_good(p); })) {
       fail(path, "points", i, "unit vectors");
     }
@@ -193,7 +192,8 @@ SkyVisibilityView read_sky_visibility(const TensorFile& file, const std::string&
 }
 
 void read_measured_factors(const TensorFile& file, const std::string& path,
-                           std::vector<CurveMaterial>& measured) {
+                           BakeManifest& manifest) {
+  std::vector<CurveMaterial>& measured = manifest.measured_brdfs;
   const std::size_t count = measured.size();
   const auto read = [&](const char* name, std::size_t values) {
     const auto numbers = read_tensor<float>(file, path, name, ElementType::f32, {count, values, 3});
@@ -210,6 +210,11 @@ void read_measured_factors(const TensorFile& file, const std::string& path,
     std::ranges::copy(difference.subspan(i * kCurveBins, kCurveBins),
                       factors.difference_angle.values.begin());
     std::ranges::copy(rest.subspan(i * kRestKnots, kRestKnots), factors.rest.begin());
+  }
+  for (CurveMaterial& material : manifest.materials) {
+    if (!material.measured) continue;
+    material.measured =
+        std::ranges::find(measured, material.measured_name, &CurveMaterial::name)->measured;
   }
 }
 

@@ -24,6 +24,9 @@ std::vector<CurveMaterial> read_curve_materials(const JsonReader& json);
 nlohmann::json measured_to_json(const std::vector<CurveMaterial>& measured);
 std::vector<CurveMaterial> read_measured(const JsonReader& json);
 
+/// That materials which are measured name one that there is.
+void check_measured_names(const JsonReader& materials, const BakeManifest& manifest);
+
 std::vector<TensorShape> curve_tensors(const CurveReceivers& receivers);
 void write_curves(TensorFileWriter& writer, const CurveReceivers& receivers);
 
@@ -34,8 +37,7 @@ std::vector<CurveSurface> read_curve_surfaces(const TensorFile& file, const std:
 /// A view of the file's memory: fifths of 0 … 5, as many mixed blocks as there are kinds of them.
 SkyVisibilityView read_sky_visibility(const TensorFile& file, const std::string& path,
                                       const BakeManifest& manifest, std::size_t surface_count);
-/// Sets the factors, finite and ≥ 0.
-void read_measured_factors(const TensorFile& file, const std::string& path,
-                           std::vector<CurveMaterial>& measured);
+/// Sets the factors of measured BRDFs, finite and ≥ 0, and of the materials that name them.
+void read_measured_factors(const TensorFile& file, const std::string& path, BakeManifest& manifest);
 
 }  // namespace rimlight

@@ -23,6 +23,8 @@ const char* model_name(BrdfModel model) {
       return "ward";
     case BrdfModel::ashikhmin_shirley:
       return "ashikhmin_shirley";
+    case BrdfModel::measured:
+      return "measured";
   }
   return "";
 }
@@ -57,7 +59,7 @@ json editable_to_json(const CurveMaterial& material) {
   json axes = json::array();
   for (const CurveAxis axis : curve_axes(material)) axes.push_back(axis_name(axis));
   return {{"name", material.name},
-          {"model", material.measured ? "measured" : model_name(brdf.model)},
+          {"model", model_name(material.measured ? BrdfModel::measured : brdf.model)},
           {"albedo", to_json(brdf.albedo)},
           {"specular", to_json(brdf.specular)},
           {"exponent", brdf.exponent},

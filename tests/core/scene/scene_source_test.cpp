@@ -207,6 +207,33 @@ std::string scene_with(const std::string& material, const std::string& bake) {
          material + R"(}, "objects": [{"shape": "disc", "material": "m"}], "bake": )" + bake + "}";
 }
 
+TEST(SceneSource, BakesOfCurvesNameTheMaterialsToEdit) {
+  const std::string grey = R"({"model": "lambert"})";
+  const BakeSettings bake = parse(scene_with(grey, R"({"kind": "brdf_curve", "cube_size": 8,
+        "editable": ["m", "another"], "bounces": 3, "width": 30})"))
+                                .bake;
+  EXPECT_EQ(bake.kind, BakeKind::brdf_curve);
+  EXPECT_EQ(bake.editable, (std::vector<std::string>{"m", "another"}));
+  EXPECT_EQ(bake.cube_size, 8);
+  EXPECT_EQ(bake.bounces, 3);
+  EXPECT_EQ(bake.width, 30);
+  EXPECT_TRUE(parse(scene_with(grey, R"({"kind": "brdf_curve"})")).bake.editable.empty());
+  for (const auto& [fields, pointer] : std::vector<std::pair<std::string, std::string>>{
+           {R"("kind": "brdf_curve", "cube_size": 4)", "/bake/cube_size"},
+           {R"("kind": "brdf_curve", "cube_size": 12)", "/bake/cube_size"},
+           {R"("kind": "brdf_curve", "editable": [])", "/bake/editable"},
+           {R"("kind": "brdf_curve", "editable": "m")", "/bake/editable"},
+           {R"("kind": "brdf_curve", "editable": ["m", 3])", "/bake/editable/1"},
+           {R"("kind": "brdf_curve", "degree": 3)", "degree"},
+           {R"("kind": "image_haar", "editable": ["m"])", "/bake/editable"},
+           {R"("editable": ["m"])", "brdf_curve"},
+           {R"("kind": "vertex_sh", "editable": ["m"])", "editable"}}) {
+    EXPECT_THAT(test::error_of([&, f = fields] { parse(scene_with(grey, "{" + f + "}")); }),
+                testing::HasSubstr(pointer))
+        << fields;
+  }
+}
+
 TEST(SceneSource, BakesOfVerticesHaveFieldsOfTheirOwn) {
   const std::string grey = R"({"model": "lambert"})";
   const BakeSettings bake =

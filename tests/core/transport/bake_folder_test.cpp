@@ -15,6 +15,7 @@
 #include "core/base/files.h"
 #include "core/math/random.h"
 #include "core/transport/bake_manifest.h"
+#include "tests/support/forged_bake.h"
 #include "tests/support/overwrite.h"
 #include "tests/support/small_bake.h"
 #include "tests/support/temporary_folder.h"
@@ -23,29 +24,11 @@ namespace rimlight {
 namespace {
 
 namespace fs = std::filesystem;
+using test::forge_file;
+using test::forge_manifest;
 using test::TemporaryFolder;
 
 std::string read(const fs::path& path) { return read_file(path, SIZE_MAX); }
-
-/// Writes a manifest with its hash, as somebody with an editor and xxh64sum could.
-void write_manifest(const fs::path& folder, const std::string& text) {
-  test::overwrite(folder / kManifestFile, text);
-  test::overwrite(folder / kManifestHashFile, manifest_hash_line(text));
-}
-
-/// Replaces one tensor file with `bytes`, manifest and hashes made to match.
-void forge_file(const fs::path& folder, const std::string& name, const std::string& bytes) {
-  test::overwrite(folder / name, bytes);
-  TensorFileSummary summary{bytes.size(), {}};
-  const auto all = std::as_bytes(std::span(bytes));
-  for (std::size_t begin = 0; begin < all.size(); begin += kHashedBlock) {
-    const auto block = all.subspan(begin, std::min(kHashedBlock, all.size() - begin));
-    summary.block_hashes.push_back(hash_bytes(block, summary.block_hashes.size()));
-  }
-  auto manifest = nlohmann::json::parse(read(folder / kManifestFile));
-  manifest["files"][name] = summary.to_json();
-  write_manifest(folder, manifest.dump());
-}
 
 /// What opening says, or "" when it opens.
 std::string error_of_opening(const fs::path& folder) {
@@ -216,7 +199,7 @@ TEST(BakeFolder, AManifestFieldThatIsNotAsPromisedIsNamed) {
   for (const Change& change : changes) {
     auto manifest = good;
     manifest[nlohmann::json::json_pointer(change.pointer)] = change.value;
-    write_manifest(path, manifest.dump());
+    forge_manifest(path, manifest.dump());
     const std::string error = error_of_opening(path);
     EXPECT_NE(error, "") << change.pointer << " " << change.value;
     EXPECT_THAT(error, testing::HasSubstr(change.named)) << change.pointer;
@@ -225,14 +208,14 @@ TEST(BakeFolder, AManifestFieldThatIsNotAsPromisedIsNamed) {
   for (const auto& [name, value] : good.items()) {
     auto manifest = good;
     manifest.erase(name);
-    write_manifest(path, manifest.dump());
+    forge_manifest(path, manifest.dump());
     EXPECT_THAT(error_of_opening(path), testing::HasSubstr("\"" + name + "\""));
   }
   for (const char* text : {"", "[]", "{", "null"}) {
-    write_manifest(path, text);
+    forge_manifest(path, text);
     EXPECT_THAT(error_of_opening(path), testing::HasSubstr(kManifestFile)) << text;
   }
-  write_manifest(path, good.dump());
+  forge_manifest(path, good.dump());
   EXPECT_EQ(error_of_opening(path), "");
 }
 

@@ -111,8 +111,9 @@ TEST(VertexBake, KindsAreToldApart) {
   EXPECT_EQ(bake_kind(folder / "image.bake"), kImageKind);
   EXPECT_THAT(error_of_opening(folder / "image.bake"),
               HasSubstr("/kind: found \"image_haar\", expected \"vertex_sh\""));
-  EXPECT_THAT(error_of([&] { Bake(folder / "vertices.bake"); }),
-              HasSubstr("/kind: found \"vertex_sh\", expected \"image_haar\""));
+  EXPECT_THAT(
+      error_of([&] { Bake(folder / "vertices.bake"); }),
+      HasSubstr("/kind: found \"vertex_sh\", expected one of \"image_haar\" \"brdf_curve\""));
   EXPECT_THAT(error_of([&] { static_cast<void>(bake_kind(folder / "none.bake")); }),
               HasSubstr("found no folder"));
 }
