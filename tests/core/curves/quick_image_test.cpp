@@ -127,8 +127,8 @@ TEST(QuickImage, IsBlackUnderABlackLight) {
   QuickCase test;
   const CurveLight light(test.sky, CubeLight(kSize), 5);
   std::ranges::fill(test.image, 7.0f);
-  ASSERT_TRUE(shade_quickly(test.transport, light, test.states, test.transport.all_panels(), {},
-                            test.image));
+  ASSERT_TRUE(shade_quickly(test.transport, light, test.states, test.transport.all_panels(),
+                            QuickDetail::every_row, {}, test.image));
   EXPECT_TRUE(std::ranges::all_of(test.image, [](float value) { return value == 0; }));
 }
 
