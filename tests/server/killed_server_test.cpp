@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "cli/load_stream.h"
+#include "core/image/image_file.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -30,7 +31,7 @@ constexpr const char* kScene = R"({ "name": "ball",
   "camera": { "position": [0, 1.5, 4], "target": [0, 0.5, 0], "field_of_view": 35 },
   "materials": { "clay": { "model": "lambert", "albedo": [0.7, 0.5, 0.4] } },
   "objects": [ { "shape": "sphere", "radius": 0.6, "translate": [0, 0.6, 0], "material": "clay" } ],
-  "environments": ["studio"],
+  "environments": [{ "file": "grey.exr", "name": "grey" }],
   "bake": { "width": 32, "height": 32, "cube_size": 8, "bounces": 0, "psnr_db": 30,
             "primary_rays": 1 } })";
 
@@ -47,6 +48,9 @@ class KilledServer : public testing::Test {
  protected:
   void SetUp() override {
     std::ofstream(folder / "ball.json") << kScene;
+    RgbImage grey(32, 16);
+    for (Vec3f& pixel : grey.pixels) pixel = {1, 1, 1};
+    write_exr(folder / "grey.exr", grey);
     const auto baked =
         test::run_program({"bake", (folder / "ball.json").string(), "-o", bake().string()});
     ASSERT_EQ(baked.status, 0) << baked.errors;
