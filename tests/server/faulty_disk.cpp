@@ -1,5 +1,6 @@
 #include "tests/server/faulty_disk.h"
 
+#include <signal.h>  // NOLINT: raise() of SIGKILL is POSIX
 #include <sqlite3.h>
 
 #include <atomic>
@@ -11,11 +12,19 @@ namespace {
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 std::atomic<std::int64_t> operations_done{0}, first_fault{kNever}, last_fault{kNever};
-std::atomic<bool> flushes_fail{false};
+std::atomic<bool> flushes_fail{false}, kills{false};
 
-bool fails_now() {
+/// Whether the operation that begins now fails; `half` of it is done first.
+template <typename DoHalf>
+bool fails_now(const DoHalf& do_half) {
   const std::int64_t n = operations_done++;
-  return n >= first_fault && n <= last_fault;
+  if (n < first_fault || n > last_fault) return false;
+  do_half();
+  if (kills) ::raise(SIGKILL);
+  return true;
+}
+bool fails_now() {
+  return fails_now([] {});
 }
 
 /// Lies before the real file in the memory that SQLite gives for both.
@@ -32,9 +41,8 @@ int read(sqlite3_file* f, void* to, int size, sqlite3_int64 at) {
   return real(f)->pMethods->xRead(real(f), to, size, at);
 }
 int write(sqlite3_file* f, const void* from, int size, sqlite3_int64 at) {
-  if (!fails_now()) return real(f)->pMethods->xWrite(real(f), from, size, at);
-  real(f)->pMethods->xWrite(real(f), from, size / 2, at);
-  return SQLITE_IOERR_WRITE;
+  const auto put = [&](int bytes) { return real(f)->pMethods->xWrite(real(f), from, bytes, at); };
+  return fails_now([&] { put(size / 2); }) ? SQLITE_IOERR_WRITE : put(size);
 }
 int truncate(sqlite3_file* f, sqlite3_int64 size) {
   return fails_now() ? SQLITE_IOERR_TRUNCATE : real(f)->pMethods->xTruncate(real(f), size);
@@ -92,6 +100,7 @@ void expect_faults(std::int64_t first, std::int64_t last) {
   last_fault = last;
   operations_done = 0;
   flushes_fail = false;
+  kills = false;
   first_fault = first;
 }
 
@@ -106,6 +115,11 @@ FaultyDisk::~FaultyDisk() { sqlite3_vfs_unregister(&faulty()); }
 std::string FaultyDisk::name() { return faulty().zName; }
 void FaultyDisk::fail(std::int64_t n, Lasting lasting) {
   expect_faults(n, lasting == Lasting::once ? n : kNever);
+}
+void FaultyDisk::kill(std::int64_t n) {
+  expect_faults(kNever, n);
+  kills = true;
+  first_fault = n;
 }
 void FaultyDisk::fail_flushes() {
   mend();

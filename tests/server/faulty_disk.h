@@ -19,6 +19,8 @@ class FaultyDisk {
   enum class Lasting { once, from_then_on };
   /// The n-th operation from now on fails, counted from 0; a write leaves half of its bytes.
   void fail(std::int64_t n, Lasting lasting);
+  /// The process is killed (SIGKILL) at the n-th, in the middle of a write, before anything else.
+  void kill(std::int64_t n);
   /// Flushes alone fail, until mend().
   void fail_flushes();
   void mend();

@@ -18,9 +18,11 @@
 namespace rimlight::server {
 namespace {
 
+namespace test = rimlight::test;
+
 using nlohmann::json;
-using rimlight::test::RunningProgram;
 using std::chrono::seconds;
+using test::RunningProgram;
 using Clock = StreamClient::Clock;
 
 constexpr seconds kPatience{20};
@@ -96,7 +98,7 @@ class KilledServer : public testing::Test {
     }
   }
 
-  rimlight::test::TemporaryFolder folder;
+  test::TemporaryFolder folder;
   std::unique_ptr<RunningProgram> server;
   StreamUrl url;
   std::unique_ptr<StreamClient> stream;
@@ -135,6 +137,19 @@ TEST_F(KilledServer, HasEveryAcknowledgedEditWhenItComesBack) {
   std::printf("%d kills, %d edits acknowledged, %d more were durable\n", kills,
               static_cast<int>(acknowledged), static_cast<int>(beyond));
   EXPECT_GT(acknowledged, kills);
+}
+
+TEST_F(KilledServer, DoesNotStartWithAStoreThatItCannotRead) {
+  std::ofstream(folder / "not.sqlite") << "a letter, of more than the sixteen bytes of a header";
+  const auto by_option =
+      test::run_program({"serve", bake().string(), "--store", (folder / "not.sqlite").string()});
+  EXPECT_EQ(by_option.status, 1);
+  EXPECT_NE(by_option.errors.find("not.sqlite: found"), std::string::npos) << by_option.errors;
+  std::ofstream(folder / "server.json") << R"({ "bakes": ["ball.bake"], "store": "not.sqlite" })";
+  const auto by_file = test::run_program({"serve", "--config", (folder / "server.json").string()});
+  EXPECT_EQ(by_file.status, 1);
+  EXPECT_NE(by_file.errors.find((folder / "not.sqlite").string()), std::string::npos)
+      << by_file.errors;
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // Every operation on the disk fails in turn: the old state or the new one is there afterwards, as
 // its edit was answered, and never anything else.
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cstdio>
@@ -106,6 +108,52 @@ TEST_P(StoreFaults, LeaveTheStateThatWasAnsweredAtEveryWriteFlushAndOpening) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, StoreFaults,
                          testing::Values(Lasting::once, Lasting::from_then_on));
+
+/// Stores edits until it is killed, and writes a byte to `pipe` for each that is acknowledged.
+[[noreturn]] void store_until_killed(const SqliteStoreSettings& settings,
+                                     StoredEdit (*edit_of)(int), int pipe) {
+  SqliteStore store(settings);
+  for (int i = 1; i <= kEdits; ++i) {
+    store.append(edit_of(i), [pipe](const auto& refusal) {
+      if (!refusal && ::write(pipe, "a", 1) != 1) ::_exit(1);
+    });
+    if (i % 3 == 0 && !store.drain(seconds(10))) ::_exit(1);
+  }
+  ::_exit(store.drain(seconds(10)) ? 0 : 1);  // the end was reached
+}
+
+TEST_F(StoreFaults, AServerThatIsKilledAtAnyOperationHasAllThatItAcknowledged) {
+  int kills = 0, last_acknowledged = 0;
+  for (std::int64_t n = 0;; n += n < 100 ? 1 : 37) {
+    start_afresh();
+    int ends[2];
+    ASSERT_EQ(::pipe(ends), 0);
+    disk.kill(n);
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) store_until_killed(settings, large_edit, ends[1]);
+    ::close(ends[1]);
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    disk.mend();
+    int acknowledged = 0;
+    for (char byte = 0; ::read(ends[0], &byte, 1) == 1;) ++acknowledged;
+    ::close(ends[0]);
+    const int found = found_by_restart();
+    ASSERT_GE(found, acknowledged) << "operation " << n;
+    ASSERT_LE(found, acknowledged + 3) << "operation " << n;
+    last_acknowledged = acknowledged;
+    if (WIFEXITED(status)) {
+      ASSERT_EQ(WEXITSTATUS(status), 0);
+      break;
+    }
+    ASSERT_EQ(WTERMSIG(status), SIGKILL);
+    ++kills;
+  }
+  std::printf("killed at %d operations\n", kills);
+  EXPECT_GT(kills, 100);
+  EXPECT_EQ(last_acknowledged, kEdits);
+}
 
 TEST_F(StoreFaults, AnEditWhoseFlushFailedHasNoAnswerUntilItCannotComeBack) {
   std::promise<std::string> answered;
