@@ -90,13 +90,14 @@ SqliteStore::Commit SqliteStore::write(Batch& batch) {
     tables_.commit();
   } catch (const SqliteError& error) {
     tables_.roll_back();
-    spdlog::error("{}: {} edits are refused", error.what(), batch.size());
+    if (!std::exchange(failing_, true)) spdlog::error("{}: edits are refused", error.what());
     for (Waiting& waiting : batch) waiting.refusal = error;
     if (!committing || error.is_full()) return Commit::failed;
     const std::lock_guard doubt(mutex_);
     doubt_ = error;
     return Commit::in_doubt;
   }
+  if (std::exchange(failing_, false)) spdlog::info("{}: edits are stored again", file_);
   const std::lock_guard counted(mutex_);
   ++commits_;
   return Commit::kept;

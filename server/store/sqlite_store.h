@@ -54,6 +54,7 @@ class SqliteStore final : public SessionStore {
   const std::string file_;
   std::mutex tables_mutex_;  // before the other one, where both are held
   SessionTables tables_;
+  bool failing_ = false;  // the last commit failed
 
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdio>
 #include <future>
+#include <memory>
 #include <optional>
 
 #include "server/store/sqlite_store.h"
@@ -50,6 +51,26 @@ class StoreFaults : public testing::TestWithParam<Lasting> {
     EXPECT_EQ(session->state, large_edit(number).state);
     return number;
   }
+  enum class End { all_stored, refused, unknown };
+  struct Answers {
+    int acknowledged = 0;
+    End end = End::all_stored;  // of the edit after those
+  };
+  /// Stores edits one by one, until one is not.
+  Answers store_until_fault() {
+    SqliteStore store(settings);
+    Answers answers;
+    for (; answers.acknowledged < kEdits; ++answers.acknowledged) {
+      const auto end = std::make_shared<std::atomic<End>>(End::unknown);
+      store.append(large_edit(answers.acknowledged + 1),
+                   [end](const auto& refusal) { *end = refusal ? End::refused : End::all_stored; });
+      // Where the disk does not come back there may be no answer at all.
+      (void)store.drain(GetParam() == Lasting::once ? seconds(10) : kNoAnswer);
+      answers.end = *end;
+      if (answers.end != End::all_stored) break;
+    }
+    return answers;
+  }
   void start_afresh() {
     for (const char* const ending : {"", "-wal", "-journal"}) {
       std::filesystem::remove(settings.file.string() + ending);
@@ -69,38 +90,18 @@ TEST_P(StoreFaults, LeaveTheStateThatWasAnsweredAtEveryWriteFlushAndOpening) {
   for (std::int64_t n = 0; !reached_end; n += n < 100 ? 1 : 37) {
     start_afresh();
     disk.fail(n, GetParam());
-    int acknowledged = 0, answered_or_sure = 0;
-    const std::string refused_start = error_of([&] {
-      SqliteStore store(settings);
-      for (int i = 1; i <= kEdits; ++i) {
-        std::atomic<bool> refused = false, known = false;
-        try {
-          store.append(large_edit(i), [&](const auto& refusal) {
-            refused = refusal.has_value();
-            known = true;
-          });
-        } catch (const StoreError&) {
-          refused = known = true;
-        }
-        // Where the disk does not come back there may be no answer at all.
-        const bool drained = store.drain(GetParam() == Lasting::once ? seconds(10) : kNoAnswer);
-        if (!drained || !known) {
-          ++answered_or_sure;  // it may be there or not
-          break;
-        }
-        if (refused) {
-          ++faults_seen;
-          break;
-        }
-        acknowledged = i;
-      }
-    });
+    Answers answers;
+    const std::string at_start = error_of([&] { answers = store_until_fault(); });
     reached_end = disk.operations() <= n;
-    faults_seen += refused_start == "no error" ? 0 : 1;
+    faults_seen += at_start != "no error" || answers.end == End::refused ? 1 : 0;
+    ASSERT_TRUE(answers.end != End::unknown || GetParam() != Lasting::once ||
+                at_start != "no error")
+        << "operation " << n;
     disk.mend();
     const int found = found_by_restart();
-    ASSERT_GE(found, acknowledged) << "operation " << n;
-    ASSERT_LE(found, acknowledged + answered_or_sure) << "operation " << n;
+    ASSERT_GE(found, answers.acknowledged) << "operation " << n;
+    ASSERT_LE(found, answers.acknowledged + (answers.end == End::unknown ? 1 : 0))
+        << "operation " << n;
   }
   std::printf("%d faults were seen as refusals\n", faults_seen);
   EXPECT_GT(faults_seen, 20);
