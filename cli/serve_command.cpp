@@ -1,6 +1,7 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,9 +15,13 @@
 #include "core/relight/policy_settings.h"
 #include "server/schedule/render_queue.h"
 #include "server/session/baked_scene.h"
+#include "server/store/sqlite_store.h"
 
 namespace rimlight {
 namespace {
+
+/// What the disk may take for the edits that wait when the server stops.
+constexpr std::chrono::milliseconds kLastCommits{2000};
 
 struct ServeOptions {
   std::vector<std::string> bakes;
@@ -27,6 +32,7 @@ struct ServeOptions {
   std::string budget;
   std::string policy;
   std::string window;
+  std::string store;
   bool json = false;
 };
 
@@ -64,6 +70,7 @@ ServeConfig merge(const ServeOptions& options) {
   if (!options.window.empty()) {
     config.draw.vertices.window = parse_window(options.window, "--window");
   }
+  if (!options.store.empty()) config.store = options.store;
   if (config.web.empty()) config.web = find_web_folder();
   return config;
 }
@@ -78,12 +85,26 @@ server::SceneCatalog open_scenes(const ServeConfig& config) {
   return server::SceneCatalog(std::move(scenes));
 }
 
+/// Nothing where sessions live in memory.
+std::unique_ptr<server::SessionStore> open_store(const ServeConfig& config) {
+  if (config.store.empty()) {
+    spdlog::info("sessions live in memory: --store keeps them in a file");
+    return nullptr;
+  }
+  auto store =
+      std::make_unique<server::SqliteStore>(server::SqliteStoreSettings{.file = config.store});
+  spdlog::info("sessions are kept in {}", config.store.string());
+  return store;
+}
+
 int serve(const ServeOptions& options) {
   const ServeConfig config = merge(options);
   const server::StaticFiles files(config.web);
   const server::SceneCatalog scenes = open_scenes(config);
   server::RenderQueue queue;
-  server::SessionRegistry sessions(scenes, queue, config.sessions);
+  // Ends after the sessions, and before what their last edits still schedule.
+  const std::unique_ptr<server::SessionStore> store = open_store(config);
+  server::SessionRegistry sessions(scenes, queue, config.sessions, store.get());
   server::HttpServer http(config.network, files, sessions);
   std::jthread compute([&queue](const std::stop_token& stop) { queue.run(stop); });
 
@@ -94,6 +115,9 @@ int serve(const ServeOptions& options) {
   }
   http.run(server::HttpServer::Signals::watch);
   sessions.close_all();
+  if (store && !store->drain(kLastCommits)) {
+    spdlog::warn("the store did not take all edits; none of these was acknowledged");
+  }
   spdlog::info("stopped");
   return 0;
 }
@@ -125,6 +149,11 @@ void add_serve_command(CLI::App& app, Action& chosen) {
                    "Against dark rings about the highlights of bakes of kind vertex_sh: none, "
                    "hann, lanczos or fitted [fitted]")
       ->check(window_fault, "WINDOW");
+  command
+      ->add_option("--store", options->store,
+                   "A file that keeps the sessions over restarts; made where it is not there "
+                   "[none: they live in memory]")
+      ->take_last();
   command->add_flag("--json", options->json, "Print {\"address\": …} when ready");
   command->callback([options, &chosen] { chosen = [options] { return serve(*options); }; });
 }

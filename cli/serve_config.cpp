@@ -62,7 +62,7 @@ ServeConfig read_serve_config(const fs::path& file) {
   const JsonReader reader(document, file.string());
   reader.allow_only({"bakes", "web", "host", "port", "network_threads", "most_connections",
                      "idle_timeout_seconds", "most_sessions", "session_idle_seconds", "quiet_ms",
-                     "jpeg_quality", "budget", "policy", "window"});
+                     "jpeg_quality", "budget", "policy", "window", "store"});
   ServeConfig config;
   if (const auto bakes = reader.optional_member("bakes")) {
     for (const JsonReader& bake : bakes->elements(1, 1000)) {
@@ -71,6 +71,9 @@ ServeConfig read_serve_config(const fs::path& file) {
   }
   if (const auto web = reader.optional_member("web")) {
     config.web = file.parent_path() / web->string();
+  }
+  if (const auto store = reader.optional_member("store")) {
+    config.store = file.parent_path() / store->string();
   }
   read_network(reader, config.network);
   read_sessions(reader, config);

@@ -19,6 +19,7 @@ struct ServeConfig {
   server::DrawSettings draw{{{PolicyKind::benefit}, {FrameBudget::Unit::milliseconds, 8}}, {}};
   server::NetworkSettings network;
   server::RegistrySettings sessions;
+  std::filesystem::path store;  // of sessions; empty: they live in memory
 };
 
 /// Reads a configuration file; relative paths in it are relative to its folder. Throws Error naming

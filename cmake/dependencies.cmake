@@ -17,6 +17,7 @@ find_package(libjpeg-turbo REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(spdlog REQUIRED)
 pkg_check_modules(openexr REQUIRED IMPORTED_TARGET OpenEXR)
+pkg_check_modules(sqlite3 REQUIRED IMPORTED_TARGET sqlite3>=3.37)  # STRICT tables
 pkg_check_modules(stb REQUIRED IMPORTED_TARGET stb)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 

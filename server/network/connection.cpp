@@ -66,7 +66,8 @@ net::awaitable<void> Connection::read_messages(DesignSession& session) {
   for (;;) {
     const bool has_room = co_await wait_for_room();
     if (!has_room) {
-      abort("does not read its replies");
+      abort(unanswered_ > 0 ? "waited too long for its edits to be stored"
+                            : "does not read its replies");
       co_return;
     }
     const auto [error, size] = co_await socket_.async_read(buffer, kAsTuple);
@@ -82,10 +83,11 @@ net::awaitable<void> Connection::read_messages(DesignSession& session) {
   }
 }
 
-/// Waits while too many replies wait; false when that takes longer than the idle timeout.
+/// Waits while too many replies wait, or are still to come; false when that takes longer than the
+/// idle timeout.
 net::awaitable<bool> Connection::wait_for_room() {
   const Clock::time_point deadline = Clock::now() + settings_.idle_timeout;
-  while (texts_.size() >= kMostTexts && !ending_) {
+  while (texts_.size() + unanswered_ >= kMostTexts && !ending_) {
     if (Clock::now() >= deadline) co_return false;
     room_.expires_at(deadline);
     co_await room_.async_wait(kAsTuple);
@@ -100,6 +102,7 @@ void Connection::handle(DesignSession& session, std::string_view text) {
         parse_client_message(text, session.scene().environments, session.materials());
     if (const auto* const edit = std::get_if<Edit>(&message)) {
       session.apply(*this, *edit, now);
+      ++unanswered_;
     } else if (const auto* const ack = std::get_if<FrameAck>(&message)) {
       if (session.acknowledge(*this, ack->frame, now) == AckResult::not_in_flight) {
         throw Error("message: /frame", std::to_string(ack->frame),
@@ -125,6 +128,14 @@ void Connection::send_text(std::string text) {
                   self->texts_.push_back(std::move(text));
                   self->write_soon();
                 });
+}
+
+// Posted, so that an edit is counted before its answer is, however soon that comes.
+void Connection::send_answer(std::string text) {
+  net::post(socket_.get_executor(), [self = shared_from_this(), text = std::move(text)]() mutable {
+    --self->unanswered_;
+    self->send_text(std::move(text));
+  });
 }
 
 void Connection::send_state(std::string text) {
@@ -172,7 +183,7 @@ net::awaitable<void> Connection::write_waiting() {
     if (!texts_.empty()) {
       const std::string text = std::move(texts_.front());
       texts_.pop_front();
-      if (texts_.size() < kMostTexts) room_.cancel();
+      if (texts_.size() + unanswered_ < kMostTexts) room_.cancel();
       written = co_await write(net::buffer(text), true);
     } else if (state_) {
       const std::string text = *std::exchange(state_, std::nullopt);

@@ -22,7 +22,8 @@ namespace rimlight::server {
 
 /// One client's WebSocket. Members are touched on its strand only; any thread may call the Client
 /// functions and stop(). What waits to be written is bounded: some text replies (while they are at
-/// their bound nothing more is read), one state, one frame.
+/// their bound, with the edits that have no answer yet, nothing more is read), one state, one
+/// frame.
 class Connection final : public Client,
                          public Stoppable,
                          public std::enable_shared_from_this<Connection> {
@@ -38,6 +39,7 @@ class Connection final : public Client,
   boost::beast::tcp_stream& plain_stream() { return socket_.next_layer(); }
 
   void send_text(std::string text) override;
+  void send_answer(std::string text) override;
   void send_state(std::string text) override;
   void send_frame(FramePtr frame) override;
   void stop() override;
@@ -56,6 +58,7 @@ class Connection final : public Client,
   boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket_;
   boost::asio::steady_timer room_;  // cancelled when texts_ has room again
   std::deque<std::string> texts_;
+  std::size_t unanswered_ = 0;  // edits that the session has taken
   std::optional<std::string> state_;
   FramePtr frame_;
   bool open_ = false;

@@ -141,6 +141,8 @@ net::awaitable<void> HttpSession::upgrade(Request request) {
       session = site_.sessions.join(target.session, target.scene, connection_, Clock::now());
       refusal = plain(request, http::status::service_unavailable,
                       "all sessions of this server are in use; try again later");
+    } catch (const StoreError& error) {
+      refusal = plain(request, http::status::service_unavailable, error.what());
     } catch (const Error& error) {
       refusal = plain(request, http::status::not_found, error.what());
     }

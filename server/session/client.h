@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "server/protocol/frame_message.h"
 
@@ -15,6 +16,8 @@ class Client {
   /// A reply that must arrive, in order. The implementation bounds how many may wait, and closes a
   /// client that does not read them.
   virtual void send_text(std::string text) = 0;
+  /// The answer to one of its edits, ack or error, which may come later than other replies.
+  virtual void send_answer(std::string text) { send_text(std::move(text)); }
   /// The newest state that another client set: replaces one that still waits.
   virtual void send_state(std::string text) = 0;
   /// At most one frame is on its way: the session sends the next after the client's frame_ack.

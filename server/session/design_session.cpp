@@ -17,14 +17,19 @@ double milliseconds(Clock::duration duration) {
 }  // namespace
 
 DesignSession::DesignSession(std::string name, const ServedScene& scene, std::int64_t epoch,
-                             const SessionSettings& settings, RenderQueue& queue)
+                             const SessionSettings& settings, RenderQueue& queue,
+                             const KeptSession& kept)
     : name_(std::move(name)),
       scene_(scene),
       materials_(known_materials(scene)),
       settings_(settings),
       queue_(queue) {
-  state_.environment = scene.environments.front();
-  revision_.epoch = epoch;
+  if (kept.store != nullptr) waiting_.emplace(*kept.store, scene.name, name_, kept.revision);
+  state_ = kept.state;
+  if (kept.revision.number == 0) state_.environment = scene.environments.front();
+  revision_ = {epoch, kept.revision.number};
+  moving_revision_ = revision_.number;  // the first frame is the exact one
+  newest_revision_ = revision_.number;
   idle_since_ = queue.now();
   last_edit_ = *idle_since_ - settings.quiet;  // the first frame need not wait for quiet
 }
@@ -35,7 +40,7 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
 void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   idle_since_.reset();
-  viewers_.push_back({client, kNone, nullptr});
+  viewers_.push_back({client, kNone, nullptr, ++joined_});
   client->send_text(write_welcome({name_, scene_.name, scene_.environments, scene_.width,
                                    scene_.height, scene_.camera, scene_.any_view, scene_.materials,
                                    scene_.editable, materials_.measured, state_, revision_}));
@@ -52,19 +57,50 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
 void DesignSession::leave(const Client& client, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   std::erase_if(viewers_, [&](const Viewer& viewer) { return viewer.client.get() == &client; });
-  if (viewers_.empty()) idle_since_ = now;
+  if (viewers_.empty() && (!waiting_ || waiting_->empty())) idle_since_ = now;
   reschedule(now);
 }
 
 void DesignSession::apply(const Client& client, const Edit& edit, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  apply_edit(edit, state_);
-  ++revision_.number;
+  const Viewer* const viewer = find_viewer(client);
+  const std::shared_ptr<Client> sender = viewer == nullptr ? nullptr : viewer->client;
+  if (waiting_) {
+    const std::string author = "client " + std::to_string(viewer == nullptr ? 0 : viewer->number);
+    waiting_->add(edit, sender, author, state_, revision_,
+                  [self = shared_from_this()](const std::optional<StoreError>& refusal) {
+                    self->settle(refusal);
+                  });
+    return;
+  }
+  WaitingEdit applied{sender, edit.id, {revision_.epoch, revision_.number + 1}, state_};
+  apply_edit(edit, applied.state);
+  show(applied, now);
+}
+
+void DesignSession::settle(const std::optional<StoreError>& refusal) {
+  const std::lock_guard lock(mutex_);
+  const auto outcome = refusal ? WaitingEdits::Outcome::refused : WaitingEdits::Outcome::durable;
+  const WaitingEdit edit = waiting_->take(outcome);
+  const Clock::time_point now = queue_.now();
+  if (viewers_.empty() && waiting_->empty()) idle_since_ = now;
+  if (!refusal) {
+    show(edit, now);
+  } else if (const auto client = edit.client.lock()) {
+    const auto id = edit.id.empty() ? std::nullopt : std::optional(edit.id);
+    client->send_answer(write_error(*refusal, id));
+  }
+}
+
+void DesignSession::show(const WaitingEdit& edit, Clock::time_point now) {
+  state_ = edit.state;
+  revision_ = edit.revision;
   newest_revision_.store(revision_.number, std::memory_order_relaxed);
   last_edit_ = now;
+  const std::shared_ptr<Client> sender = edit.client.lock();
   for (const Viewer& viewer : viewers_) {
-    if (viewer.client.get() == &client) {
-      viewer.client->send_text(write_ack(edit.id, revision_, state_));
+    if (viewer.client == sender) {
+      viewer.client->send_answer(write_ack(edit.id, revision_, state_));
     } else {
       viewer.client->send_state(write_state(revision_, state_));
     }

@@ -13,6 +13,7 @@
 #include "server/schedule/render_queue.h"
 #include "server/session/client.h"
 #include "server/session/scene_catalog.h"
+#include "server/session/waiting_edits.h"
 
 namespace rimlight::server {
 
@@ -21,21 +22,29 @@ struct SessionSettings {
   int jpeg_quality = 80;
 };
 
+/// Where edits of a session are kept, and what is there already.
+struct KeptSession {
+  SessionStore* store = nullptr;  // must outlive the session; without one it lives in memory
+  Revision revision = {};         // number 0: the store has none
+  DesignState state = {};         // at that revision
+};
+
 /// Why a client's frame_ack was not taken.
 enum class AckResult { taken, not_in_flight };
 
 /// Shared state that clients edit, and the frames that show it. Edits apply in order, each a new
-/// revision. Frames: while edits come, the approximate image as JPEG, as soon as a client can take
-/// one, so that a burst of edits costs one frame and frames are dropped before they are made; after
-/// `quiet` the exact image, once, as PNG; then nothing. Each client has at most one frame in flight
-/// and keeps the newest one waiting: a slow client gets fewer frames, never older ones, and always
-/// the last. When no frame is due, what the source has left unfinished goes on in slices of
-/// 20 ms, behind all other sessions. Any thread, but work() is the compute thread's.
+/// revision; with a store each applies when it is durable, and not before. Frames: while edits
+/// come, the approximate image as JPEG, as soon as a client can take one, so that a burst of edits
+/// costs one frame and frames are dropped before they are made; after `quiet` the exact image,
+/// once, as PNG; then nothing. Each client has at most one frame in flight and keeps the newest one
+/// waiting: a slow client gets fewer frames, never older ones, and always the last. When no frame
+/// is due, what the source has left unfinished goes on in slices of 20 ms, behind all other
+/// sessions. Any thread, but work() is the compute thread's.
 class DesignSession final : public RenderJob, public std::enable_shared_from_this<DesignSession> {
  public:
-  /// `scene` and `queue` must outlive it.
+  /// `scene` and `queue` must outlive it. Goes on from what is kept of it, in a new epoch.
   DesignSession(std::string name, const ServedScene& scene, std::int64_t epoch,
-                const SessionSettings& settings, RenderQueue& queue);
+                const SessionSettings& settings, RenderQueue& queue, const KeptSession& kept = {});
 
   const std::string& name() const { return name_; }
   const ServedScene& scene() const { return scene_; }
@@ -45,13 +54,14 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   /// Sends the welcome and, when there is one, the current exact frame.
   void join(const std::shared_ptr<Client>& client, Clock::time_point now);
   void leave(const Client& client, Clock::time_point now);
-  /// Sets the state, sends the ack to `client` and the state to the others. Throws Error, and
-  /// changes nothing, where apply_edit() does.
+  /// Sets the state, sends the ack to `client` and the state to the others: at once, or with a
+  /// store when the edit is durable; if it is refused, the client gets the error. Throws Error, and
+  /// changes nothing, where apply_edit() and SessionStore::append() do.
   void apply(const Client& client, const Edit& edit, Clock::time_point now);
   [[nodiscard]] AckResult acknowledge(const Client& client, std::int64_t frame,
                                       Clock::time_point now);
 
-  /// Since when nobody has it open; nothing when somebody has.
+  /// Since when nobody has it open; nothing when somebody has, or an edit is not durable yet.
   std::optional<Clock::time_point> idle_since() const;
   /// No more work: a render that runs is abandoned where it can be.
   void close();
@@ -65,6 +75,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
     std::shared_ptr<Client> client;
     std::int64_t in_flight = kNone;  // number of the frame that it has not acknowledged
     FramePtr waiting;                // the newest frame that it could not take yet
+    std::int64_t number = 0;         // of those that have joined, from 1
   };
   /// One frame to make, from the state that was current when its work began.
   struct Task {
@@ -80,7 +91,11 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   bool any_viewer_ready() const;
   void offer(Viewer& viewer, const FramePtr& frame);
   void reschedule(Clock::time_point now);
+  void show(const WaitingEdit& edit, Clock::time_point now);
   Task begin_task(Clock::time_point now);
+
+  /// What the store says of the oldest edit that waits.
+  void settle(const std::optional<StoreError>& refusal);
 
   // Called on the compute thread, without the mutex.
   void improve(const Task& task);
@@ -106,6 +121,8 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   Unfinished unfinished_ = Unfinished::nothing;  // of what the source showed last
   FramePtr exact_frame_;
   std::vector<Viewer> viewers_;
+  std::int64_t joined_ = 0;              // viewers so far
+  std::optional<WaitingEdits> waiting_;  // with a store
   std::optional<Clock::time_point> idle_since_;
 
   std::atomic<std::int64_t> newest_revision_{0};  // revision_.number, to be asked between tiles

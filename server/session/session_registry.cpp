@@ -4,12 +4,13 @@
 #include <chrono>
 
 #include "core/base/error.h"
+#include "core/base/json_reader.h"
 
 namespace rimlight::server {
 
 SessionRegistry::SessionRegistry(const SceneCatalog& scenes, RenderQueue& queue,
-                                 const RegistrySettings& settings)
-    : scenes_(scenes), queue_(queue), settings_(settings) {}
+                                 const RegistrySettings& settings, SessionStore* store)
+    : scenes_(scenes), queue_(queue), settings_(settings), store_(store) {}
 
 SessionRegistry::~SessionRegistry() { close_all(); }
 
@@ -19,6 +20,10 @@ std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
                                                      Clock::time_point now) {
   const ServedScene* const served = scenes_.find(scene);
   if (served == nullptr) {
+    if (store_ != nullptr && store_->load(scene, name)) {
+      throw Error("session " + quote(name), "a session of the scene " + quote(scene),
+                  "a scene that is served still: /api/scenes lists them");
+    }
     throw Error("URL", "the scene " + quote(scene), "one that /api/scenes lists");
   }
   // The client joins under the lock, so that no session is dropped between being found and used.
@@ -27,8 +32,9 @@ std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
   auto found = sessions_.find(key);
   if (found == sessions_.end()) {
     if (sessions_.size() >= settings_.most_sessions && !make_room()) return nullptr;
-    auto session =
-        std::make_shared<DesignSession>(name, *served, next_epoch(), settings_.session, queue_);
+    const KeptSession kept = load(*served, name);
+    auto session = std::make_shared<DesignSession>(name, *served, next_epoch(kept.revision.epoch),
+                                                   settings_.session, queue_, kept);
     found = sessions_.emplace(key, std::move(session)).first;
   }
   found->second->join(client, now);
@@ -69,13 +75,30 @@ bool SessionRegistry::make_room() {
   return true;
 }
 
-/// Microseconds since 1970, and always later than the last: unique over restarts too, and exact in
-/// a JSON number until the year 2255.
-std::int64_t SessionRegistry::next_epoch() {
+/// The session as the store has it. What stands there is checked like anything from a file.
+KeptSession SessionRegistry::load(const ServedScene& scene, const std::string& name) {
+  if (store_ == nullptr) return {};
+  const std::optional<StoredSession> stored = store_->load(scene.name, name);
+  if (!stored) return {store_};
+  const std::string where = "session " + quote(name);
+  if (stored->revision.number < 1 || stored->revision.number > kLargestWhole ||
+      stored->revision.epoch < 0 || stored->revision.epoch > kLargestWhole) {
+    throw Error(where, "revision " + std::to_string(stored->revision.number), "a whole store");
+  }
+  const nlohmann::json document = parse_json(stored->state, where);
+  const JsonReader state(document, where);
+  (void)state.member("environment").one_of(scene.environments);
+  return {store_, stored->revision, read_state(state)};
+}
+
+/// Microseconds since 1970, and always later than the last and than the stored one: unique over
+/// restarts too, and exact in a JSON number until the year 2255. A new one for each life of a
+/// session: a store that was copied back may lack revisions that were seen.
+std::int64_t SessionRegistry::next_epoch(std::int64_t stored) {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
   const std::int64_t now =
       std::chrono::duration_cast<std::chrono::microseconds>(since_1970).count();
-  return last_epoch_ = std::max(last_epoch_ + 1, now);
+  return last_epoch_ = std::max({last_epoch_ + 1, stored + 1, now});
 }
 
 }  // namespace rimlight::server

@@ -17,17 +17,21 @@ struct RegistrySettings {
 };
 
 /// The design sessions by name: created on first use, shared by all who open the same name and
-/// scene, in memory. Any thread.
+/// scene. Without a store they live in memory; with one they go on from what it has, and are only
+/// forgotten here. Any thread.
 class SessionRegistry {
  public:
-  /// `scenes` and `queue` must outlive it.
-  SessionRegistry(const SceneCatalog& scenes, RenderQueue& queue, const RegistrySettings& settings);
+  /// `scenes`, `queue` and `store` must outlive it.
+  SessionRegistry(const SceneCatalog& scenes, RenderQueue& queue, const RegistrySettings& settings,
+                  SessionStore* store = nullptr);
   ~SessionRegistry();
 
   const SceneCatalog& scenes() const { return scenes_; }
 
   /// Finds or creates the session and lets the client join it. Null when all places are taken by
-  /// sessions in use: the one refusal that a client may retry. Throws Error for an unknown scene.
+  /// sessions in use: a refusal that a client may retry. Throws StoreError when the store cannot
+  /// be read, which it may retry too, and Error for an unknown scene, or a session that the scene
+  /// cannot show any more.
   [[nodiscard]] std::shared_ptr<DesignSession> join(const std::string& name,
                                                     const std::string& scene,
                                                     const std::shared_ptr<Client>& client,
@@ -42,11 +46,13 @@ class SessionRegistry {
   using Key = std::pair<std::string, std::string>;  // scene, session
 
   bool make_room();
-  std::int64_t next_epoch();
+  KeptSession load(const ServedScene& scene, const std::string& name);
+  std::int64_t next_epoch(std::int64_t stored);
 
   const SceneCatalog& scenes_;
   RenderQueue& queue_;
   const RegistrySettings settings_;
+  SessionStore* const store_;
   mutable std::mutex mutex_;
   std::map<Key, std::shared_ptr<DesignSession>> sessions_;
   std::int64_t last_epoch_ = 0;

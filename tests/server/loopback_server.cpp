@@ -9,6 +9,7 @@
 
 #include <fstream>
 
+#include "server/store/sqlite_store.h"
 #include "tests/server/curve_sphere.h"
 
 namespace rimlight::server::test {
@@ -19,13 +20,19 @@ const std::filesystem::path& with_page(const std::filesystem::path& folder) {
   return folder;
 }
 
+std::unique_ptr<SessionStore> store_of(const std::filesystem::path& file) {
+  if (file.empty()) return nullptr;
+  return std::make_unique<SqliteStore>(SqliteStoreSettings{.file = file});
+}
+
 }  // namespace
 
 LoopbackServer::LoopbackServer(const Settings& settings)
     : scenes_({sphere_scene("sphere", settings.width, settings.height, probe_),
                curve_sphere_scene("curves", 16)}),
       files_(with_page(web_.path())),
-      sessions_(scenes_, queue_, settings.sessions),
+      store_(store_of(settings.store)),
+      sessions_(scenes_, queue_, settings.sessions, store_.get()),
       http_(settings.network, files_, sessions_),
       compute_([this](const std::stop_token& stop) { queue_.run(stop); }),
       network_([this] { http_.run(HttpServer::Signals::leave_alone); }) {}

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
 
 #include "cli/load_stream.h"
 #include "server/network/http_server.h"
+#include "server/store/session_store.h"
 #include "tests/server/sphere_source.h"
 #include "tests/support/temporary_folder.h"
 
@@ -20,6 +22,7 @@ class LoopbackServer {
     int height = 48;
     NetworkSettings network{.port = 0};
     RegistrySettings sessions;
+    std::filesystem::path store;  // of sessions; without one they live in memory
   };
   explicit LoopbackServer(const Settings& settings);
   LoopbackServer() : LoopbackServer(Settings{}) {}
@@ -37,6 +40,7 @@ class LoopbackServer {
   SceneCatalog scenes_;
   StaticFiles files_;
   RenderQueue queue_;
+  std::unique_ptr<SessionStore> store_;
   SessionRegistry sessions_;
   HttpServer http_;
   std::jthread compute_;

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "core/base/error.h"
+#include "server/protocol/messages.h"
+
+namespace rimlight::server {
+
+/// What went wrong in a store: not the client's fault, and it may try again.
+class StoreError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// A design session as the store has it.
+struct StoredSession {
+  Revision revision;
+  std::string state;  // JSON: state_to_json()
+};
+
+/// An edit to keep: the state after it, and what the log says of it.
+struct StoredEdit {
+  std::string scene, session;
+  Revision before;  // what it was made on, as it is stored; number 0: never stored
+  Revision revision;
+  std::string state;       // JSON after it: state_to_json()
+  std::string change;      // JSON Patch (RFC 6902) from the state before it
+  std::string author;      // who
+  std::int64_t at_ms = 0;  // when: milliseconds since 1970
+};
+
+/// Keeps design sessions beyond the life of the server. Any thread.
+class SessionStore {
+ public:
+  /// Told once whether the edit is durable: nothing when it is, else why it is surely not kept. On
+  /// the store's own thread, which it must not hold up. Edits are answered in the order of
+  /// append(). Where the store ends before it knows, it is not called.
+  using Answer = std::function<void(const std::optional<StoreError>& refusal)>;
+
+  virtual ~SessionStore() = default;
+
+  /// Nothing when the session was never stored. Throws StoreError.
+  virtual std::optional<StoredSession> load(const std::string& scene,
+                                            const std::string& session) = 0;
+  /// Takes the edit, to be stored after all that were taken before. Refused later (by `answer`)
+  /// when the session is not at `before`: the edit that it was made on was refused itself. Throws
+  /// StoreError, and takes nothing, when too many wait or the disk does not answer.
+  virtual void append(StoredEdit edit, Answer answer) = 0;
+  /// Waits until all that were taken have been answered; false after `most`.
+  [[nodiscard]] virtual bool drain(std::chrono::milliseconds most) = 0;
+};
+
+}  // namespace rimlight::server

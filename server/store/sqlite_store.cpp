@@ -1,0 +1,138 @@
+#include "server/store/sqlite_store.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+namespace rimlight::server {
+namespace {
+
+/// Between attempts at a disk that did not take a commit.
+constexpr std::chrono::milliseconds kRetry{50};
+
+std::size_t bytes_of(const StoredEdit& edit) {
+  return sizeof edit + edit.state.size() + edit.change.size();
+}
+
+}  // namespace
+
+SqliteStore::SqliteStore(const SqliteStoreSettings& settings)
+    : most_waiting_(settings.most_waiting),
+      most_waiting_bytes_(settings.most_waiting_bytes),
+      file_(settings.file.string()),
+      tables_(settings),
+      writer_([this](const std::stop_token& stop) { run(stop); }) {}
+
+SqliteStore::~SqliteStore() {
+  writer_.request_stop();
+  writer_.join();
+}
+
+std::optional<StoredSession> SqliteStore::load(const std::string& scene,
+                                               const std::string& session) {
+  const std::lock_guard lock(tables_mutex_);
+  return tables_.load(scene, session);
+}
+
+void SqliteStore::append(StoredEdit edit, Answer answer) {
+  const std::size_t bytes = bytes_of(edit);
+  {
+    const std::lock_guard lock(mutex_);
+    if (doubt_) throw StoreError(*doubt_);
+    if (waiting_ >= most_waiting_ || waiting_bytes_ + bytes > most_waiting_bytes_) {
+      throw StoreError(file_, std::to_string(waiting_) + " edits that wait for the disk",
+                       "fewer: send it again later");
+    }
+    queue_.push_back({std::move(edit), std::move(answer), bytes});
+    ++waiting_;
+    waiting_bytes_ += bytes;
+  }
+  changed_.notify_all();
+}
+
+bool SqliteStore::drain(std::chrono::milliseconds most) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, most, [this] { return waiting_ == 0; });
+}
+
+std::int64_t SqliteStore::commits() const {
+  const std::lock_guard lock(mutex_);
+  return commits_;
+}
+
+void SqliteStore::run(const std::stop_token& stop) {
+  for (;;) {
+    Batch batch;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, stop, [this] { return !queue_.empty(); });
+      if (queue_.empty()) return;  // only when stopped
+      batch.swap(queue_);
+    }
+    const Commit result = write(batch);
+    if (result != Commit::in_doubt || resolve_doubt(stop)) answer(batch);
+    forget(batch);
+  }
+}
+
+/// Fills in the refusals.
+SqliteStore::Commit SqliteStore::write(Batch& batch) {
+  const std::lock_guard lock(tables_mutex_);
+  bool committing = false;
+  try {
+    tables_.begin();
+    for (Waiting& waiting : batch) {
+      if (tables_.append(waiting.edit)) continue;
+      waiting.refusal = StoreError(file_, "an edit of a revision that is not the session's",
+                                   "the edit before it to be kept: send it again");
+    }
+    committing = true;
+    tables_.commit();
+  } catch (const SqliteError& error) {
+    tables_.roll_back();
+    if (!std::exchange(failing_, true)) spdlog::error("{}: edits are refused", error.what());
+    for (Waiting& waiting : batch) waiting.refusal = error;
+    if (!committing || error.is_full()) return Commit::failed;
+    const std::lock_guard doubt(mutex_);
+    doubt_ = error;
+    return Commit::in_doubt;
+  }
+  if (std::exchange(failing_, false)) spdlog::info("{}: edits are stored again", file_);
+  const std::lock_guard counted(mutex_);
+  ++commits_;
+  return Commit::kept;
+}
+
+/// Until the failed commit cannot be found by a restart; false when stopped before.
+bool SqliteStore::resolve_doubt(const std::stop_token& stop) {
+  for (;;) {
+    try {
+      const std::lock_guard lock(tables_mutex_);
+      tables_.overwrite_failed_commit();
+      break;
+    } catch (const SqliteError&) {
+      tables_.roll_back();
+    }
+    std::unique_lock lock(mutex_);
+    if (stop.stop_requested()) return false;
+    changed_.wait_for(lock, stop, kRetry, [] { return false; });
+  }
+  const std::lock_guard lock(mutex_);
+  doubt_.reset();
+  return true;
+}
+
+void SqliteStore::answer(const Batch& batch) {
+  for (const Waiting& waiting : batch) waiting.answer(waiting.refusal);
+}
+
+void SqliteStore::forget(const Batch& batch) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_ -= batch.size();
+    for (const Waiting& waiting : batch) waiting_bytes_ -= waiting.bytes;
+  }
+  changed_.notify_all();
+}
+
+}  // namespace rimlight::server

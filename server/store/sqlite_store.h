@@ -1,0 +1,68 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/store/session_store.h"
+#include "server/store/session_tables.h"
+
+namespace rimlight::server {
+
+/// Sessions in a SQLite file. One thread writes: edits that come while a commit is in progress go
+/// into the next, so that many cost one flush of the disk. A commit is kept whole or not at all;
+/// when it fails, its edits are refused. Where it is not sure that it failed (the disk took the
+/// pages, but not the flush), a commit of nothing is written in its place first, again and again;
+/// until that is done its edits have no answer, and new ones are refused.
+class SqliteStore final : public SessionStore {
+ public:
+  /// Opens or creates the file. Throws StoreError naming it, as SessionTables does.
+  explicit SqliteStore(const SqliteStoreSettings& settings);
+  /// Commits what waits, if the disk lets it.
+  ~SqliteStore() override;
+
+  std::optional<StoredSession> load(const std::string& scene, const std::string& session) override;
+  void append(StoredEdit edit, Answer answer) override;
+  [[nodiscard]] bool drain(std::chrono::milliseconds most) override;
+
+  /// How many commits have kept edits.
+  std::int64_t commits() const;
+
+ private:
+  struct Waiting {
+    StoredEdit edit;
+    Answer answer;
+    std::size_t bytes = 0;
+    std::optional<StoreError> refusal = {};
+  };
+  using Batch = std::deque<Waiting>;
+  enum class Commit { kept, failed, in_doubt };
+
+  void run(const std::stop_token& stop);
+  Commit write(Batch& batch);
+  bool resolve_doubt(const std::stop_token& stop);
+  void answer(const Batch& batch);
+  void forget(const Batch& batch);
+
+  const std::size_t most_waiting_, most_waiting_bytes_;
+  const std::string file_;
+  std::mutex tables_mutex_;  // before the other one, where both are held
+  SessionTables tables_;
+  bool failing_ = false;  // the last commit failed
+
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  Batch queue_;
+  std::size_t waiting_ = 0, waiting_bytes_ = 0;  // queued and in the commit in progress
+  std::int64_t commits_ = 0;
+  std::optional<StoreError> doubt_;  // why the disk does not answer
+  std::jthread writer_;
+};
+
+}  // namespace rimlight::server

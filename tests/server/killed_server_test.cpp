@@ -1,0 +1,156 @@
+// `rimlight serve --store` killed with SIGKILL in the middle of edits: every edit that was
+// acknowledged is there after a restart, and the state is that of a whole revision.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <thread>
+
+#include "cli/load_stream.h"
+#include "core/image/image_file.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rimlight::server {
+namespace {
+
+namespace test = rimlight::test;
+
+using nlohmann::json;
+using std::chrono::seconds;
+using test::RunningProgram;
+using Clock = StreamClient::Clock;
+
+constexpr seconds kPatience{20};
+/// Edits that a client has on their way at most.
+constexpr std::int64_t kAhead = 40;
+
+constexpr const char* kScene = R"({ "name": "ball",
+  "camera": { "position": [0, 1.5, 4], "target": [0, 0.5, 0], "field_of_view": 35 },
+  "materials": { "clay": { "model": "lambert", "albedo": [0.7, 0.5, 0.4] } },
+  "objects": [ { "shape": "sphere", "radius": 0.6, "translate": [0, 0.6, 0], "material": "clay" } ],
+  "environments": [{ "file": "grey.exr", "name": "grey" }],
+  "bake": { "width": 32, "height": 32, "cube_size": 8, "bounces": 0, "psnr_db": 30,
+            "primary_rays": 1 } })";
+
+/// The exposure that the edit of a revision sets: another for each.
+double exposure_of(std::int64_t revision) { return static_cast<double>(revision % 16384) / 1024; }
+
+std::string edit_of(std::int64_t revision) {
+  return json{
+      {"type", "edit"}, {"id", std::to_string(revision)}, {"exposure", exposure_of(revision)}}
+      .dump();
+}
+
+class KilledServer : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::ofstream(folder / "ball.json") << kScene;
+    RgbImage grey(32, 16);
+    for (Vec3f& pixel : grey.pixels) pixel = {1, 1, 1};
+    write_exr(folder / "grey.exr", grey);
+    const auto baked =
+        test::run_program({"bake", (folder / "ball.json").string(), "-o", bake().string()});
+    ASSERT_EQ(baked.status, 0) << baked.errors;
+  }
+  std::filesystem::path bake() const { return folder / "ball.bake"; }
+
+  /// Starts the server and waits for its address.
+  void start() {
+    server = std::make_unique<RunningProgram>(
+        std::vector<std::string>{"serve", bake().string(), "--port", "0", "--json", "--store",
+                                 (folder / "sessions.sqlite").string()});
+    const Clock::time_point end = Clock::now() + kPatience;
+    while (server->output().find('\n') == std::string::npos) {
+      ASSERT_TRUE(server->is_running()) << server->wait().errors;
+      ASSERT_LT(Clock::now(), end);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    std::string address = json::parse(server->output())["address"];  // http://HOST:PORT/
+    address.pop_back();
+    url = parse_stream_url("ws" + address.substr(4));
+  }
+  /// Opens the session; its welcome, or null.
+  json open() {
+    stream = std::make_unique<StreamClient>(url, "/sessions/a/stream");
+    const StreamClient::Received first = stream->receive(Clock::now() + kPatience);
+    const auto* const text = std::get_if<StreamClient::Text>(&first);
+    return text == nullptr ? json() : json::parse(text->text);
+  }
+  /// Edits until the connection breaks; the last revision that was acknowledged.
+  std::int64_t edit_until_killed(std::int64_t revision) {
+    std::int64_t acknowledged = revision, sent = revision;
+    for (;;) {
+      if (sent < acknowledged + kAhead && stream->send_text(edit_of(sent + 1))) ++sent;
+      const auto received = stream->receive(Clock::now() + std::chrono::microseconds(200));
+      if (std::holds_alternative<StreamClient::Closed>(received)) return acknowledged;
+      if (const auto* const text = std::get_if<StreamClient::Text>(&received)) {
+        const json message = json::parse(text->text);
+        EXPECT_EQ(message["type"], "ack") << text->text;
+        EXPECT_EQ(message["revision"], acknowledged + 1);
+        EXPECT_EQ(message["state"]["exposure"], exposure_of(acknowledged + 1));
+        ++acknowledged;
+      }
+    }
+  }
+
+  test::TemporaryFolder folder;
+  std::unique_ptr<RunningProgram> server;
+  StreamUrl url;
+  std::unique_ptr<StreamClient> stream;
+};
+
+int points() {
+  const char* const asked = std::getenv("RIMLIGHT_KILL_POINTS");
+  return asked == nullptr ? 10 : std::atoi(asked);
+}
+
+TEST_F(KilledServer, HasEveryAcknowledgedEditWhenItComesBack) {
+  std::mt19937 random(20260101);
+  std::uniform_int_distribution<int> microseconds(500, 80'000);
+  std::int64_t acknowledged = 0, beyond = 0, epoch = 0;
+  const int kills = points();
+  ASSERT_GT(kills, 0);
+  for (int i = 0; i <= kills; ++i) {
+    start();
+    ASSERT_FALSE(HasFatalFailure());
+    const json welcome = open();
+    ASSERT_TRUE(welcome.is_object());
+    const auto revision = welcome["revision"].get<std::int64_t>();
+    ASSERT_GE(revision, acknowledged) << "an acknowledged edit is lost, kill " << i;
+    ASSERT_LE(revision, acknowledged + kAhead);
+    ASSERT_EQ(welcome["state"]["exposure"], exposure_of(revision)) << "kill " << i;
+    ASSERT_GT(welcome["epoch"].get<std::int64_t>(), epoch);
+    epoch = welcome["epoch"];
+    beyond += revision - acknowledged;
+    if (i == kills) break;
+    std::jthread killer([this, delay = std::chrono::microseconds(microseconds(random))] {
+      std::this_thread::sleep_for(delay);
+      server->kill();
+    });
+    acknowledged = edit_until_killed(revision);
+  }
+  std::printf("%d kills, %d edits acknowledged, %d more were durable\n", kills,
+              static_cast<int>(acknowledged), static_cast<int>(beyond));
+  EXPECT_GT(acknowledged, kills);
+}
+
+TEST_F(KilledServer, DoesNotStartWithAStoreThatItCannotRead) {
+  std::ofstream(folder / "not.sqlite") << "a letter, of more than the sixteen bytes of a header";
+  const auto by_option =
+      test::run_program({"serve", bake().string(), "--store", (folder / "not.sqlite").string()});
+  EXPECT_EQ(by_option.status, 1);
+  EXPECT_NE(by_option.errors.find("not.sqlite: found"), std::string::npos) << by_option.errors;
+  std::ofstream(folder / "server.json") << R"({ "bakes": ["ball.bake"], "store": "not.sqlite" })";
+  const auto by_file = test::run_program({"serve", "--config", (folder / "server.json").string()});
+  EXPECT_EQ(by_file.status, 1);
+  EXPECT_NE(by_file.errors.find((folder / "not.sqlite").string()), std::string::npos)
+      << by_file.errors;
+}
+
+}  // namespace
+}  // namespace rimlight::server
