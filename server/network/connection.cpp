@@ -104,6 +104,7 @@ net::awaitable<bool> Connection::wait_for_room() {
 
 /// Handles a message that the client's allowance pays for.
 void Connection::receive(DesignSession& session, std::string_view text) {
+  if (ending_) return;  // what is still on its way changes nothing
   const Clock::time_point now = Clock::now();
   switch (allowance_.spend(EditAllowance::cost(text.size()), now)) {
     case EditAllowance::Verdict::granted:
