@@ -68,8 +68,9 @@ TEST_F(DesignSessionTest, AnotherSessionHasItsTurnBetweenSlices) {
   edit(*client, 10);
   ASSERT_TRUE(queue.run_one(now));
   const auto guest = std::make_shared<test::KeepingClient>();
-  now += milliseconds(1);  // or both were due at once, and memory addresses decided
+  now += milliseconds(1);  // were both due at once, memory addresses would decide
   other->join(guest, now);
+  now += milliseconds(1);
   ASSERT_TRUE(queue.run_one(now));  // a slice, which was due first
   EXPECT_EQ(probe->slices_for_exact, 2);
   ASSERT_TRUE(queue.run_one(now));
