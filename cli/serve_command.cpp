@@ -29,6 +29,9 @@ struct ServeOptions {
   std::string web;
   std::optional<std::string> host;
   std::optional<std::uint16_t> port;
+  std::string key;
+  std::vector<std::string> host_names;
+  std::vector<std::string> origins;
   std::string budget;
   std::string policy;
   std::string window;
@@ -64,6 +67,9 @@ ServeConfig merge(const ServeOptions& options) {
   if (!options.web.empty()) config.web = options.web;
   if (options.host) config.network.host = *options.host;
   if (options.port) config.network.port = *options.port;
+  if (!options.key.empty()) config.key_file = options.key;
+  for (const std::string& name : options.host_names) config.network.host_names.push_back(name);
+  for (const std::string& origin : options.origins) config.network.origins.push_back(origin);
   RelightSettings& relight = config.draw.relight;
   if (!options.budget.empty()) relight.budget = parse_budget(options.budget, "--budget");
   if (!options.policy.empty()) relight.policy = parse_policy(options.policy, "--policy");
@@ -71,6 +77,10 @@ ServeConfig merge(const ServeOptions& options) {
     config.draw.vertices.window = parse_window(options.window, "--window");
   }
   if (!options.store.empty()) config.store = options.store;
+  if (!config.key_file.empty()) {
+    config.network.keys =
+        std::make_shared<const server::SigningKeys>(server::read_signing_keys(config.key_file));
+  }
   if (config.web.empty()) config.web = find_web_folder();
   return config;
 }
@@ -130,8 +140,15 @@ void add_serve_command(CLI::App& app, Action& chosen) {
       app.add_subcommand("serve", "Serve bakes to browsers: the page, sessions, relit frames");
   command->add_option("bakes", options->bakes, "The bakes to serve; the first is the default");
   command->add_option("--config", options->config, "A JSON file of settings; options overrule it");
-  command->add_option("--host", options->host, "The loopback address to listen on [127.0.0.1]");
+  command->add_option("--host", options->host,
+                      "The address to listen on; beyond loopback --key is needed [127.0.0.1]");
   command->add_option("--port", options->port, "The port; 0 takes a free one [8080]");
+  command->add_option("--key", options->key,
+                      "A file of signing keys: clients must show tokens (`rimlight token`)");
+  command->add_option("--host-name", options->host_names,
+                      "A name that clients call this server by, besides addresses and localhost");
+  command->add_option("--origin", options->origins,
+                      "An origin whose pages may connect, besides the server's own");
   command->add_option("--web", options->web, "The page's folder [found near the program]");
   command
       ->add_option("--budget", options->budget,

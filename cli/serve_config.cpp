@@ -31,11 +31,28 @@ void read_duration(const JsonReader& reader, const char* name, std::int64_t low,
   }
 }
 
+/// The texts of an optional array of at most 100.
+void read_texts(const JsonReader& reader, const char* name, std::vector<std::string>& texts) {
+  constexpr std::size_t kMost = 100;
+  if (const auto member = reader.optional_member(name)) {
+    for (const JsonReader& text : member->elements(0, kMost)) texts.push_back(text.string());
+  }
+}
+
 void read_network(const JsonReader& reader, server::NetworkSettings& network) {
   if (const auto host = reader.optional_member("host")) network.host = host->string();
   read_whole(reader, "port", 0, 65535, network.port);
   read_whole(reader, "network_threads", 1, 64, network.threads);
   read_whole(reader, "most_connections", 1, 100000, network.most_connections);
+  if (const auto most = reader.optional_member("most_connections_per_address")) {
+    network.most_connections_per_address = static_cast<std::size_t>(most->integer(1, 100000));
+  }
+  if (const auto rate = reader.optional_member("messages_per_second")) {
+    network.messages_per_second = rate->number(1, 1e6);
+  }
+  read_texts(reader, "host_names", network.host_names);
+  read_texts(reader, "origins", network.origins);
+  read_duration(reader, "handshake_timeout_seconds", 1, kLongestSeconds, network.handshake_timeout);
   read_duration(reader, "idle_timeout_seconds", 1, kLongestSeconds, network.idle_timeout);
 }
 
@@ -60,9 +77,27 @@ void read_sessions(const JsonReader& reader, ServeConfig& config) {
 ServeConfig read_serve_config(const fs::path& file) {
   const nlohmann::json document = parse_json(read_file(file, kLargestConfig), file.string());
   const JsonReader reader(document, file.string());
-  reader.allow_only({"bakes", "web", "host", "port", "network_threads", "most_connections",
-                     "idle_timeout_seconds", "most_sessions", "session_idle_seconds", "quiet_ms",
-                     "jpeg_quality", "budget", "policy", "window", "store"});
+  reader.allow_only({"bakes",
+                     "web",
+                     "host",
+                     "port",
+                     "network_threads",
+                     "most_connections",
+                     "idle_timeout_seconds",
+                     "most_sessions",
+                     "session_idle_seconds",
+                     "quiet_ms",
+                     "jpeg_quality",
+                     "budget",
+                     "policy",
+                     "window",
+                     "store",
+                     "key_file",
+                     "host_names",
+                     "origins",
+                     "most_connections_per_address",
+                     "messages_per_second",
+                     "handshake_timeout_seconds"});
   ServeConfig config;
   if (const auto bakes = reader.optional_member("bakes")) {
     for (const JsonReader& bake : bakes->elements(1, 1000)) {
@@ -74,6 +109,9 @@ ServeConfig read_serve_config(const fs::path& file) {
   }
   if (const auto store = reader.optional_member("store")) {
     config.store = file.parent_path() / store->string();
+  }
+  if (const auto key = reader.optional_member("key_file")) {
+    config.key_file = file.parent_path() / key->string();
   }
   read_network(reader, config.network);
   read_sessions(reader, config);

@@ -15,6 +15,7 @@ namespace rimlight {
 struct ServeConfig {
   std::vector<std::filesystem::path> bakes;  // the first is the default scene
   std::filesystem::path web;                 // empty: beside the program
+  std::filesystem::path key_file;            // of signing keys; empty: clients need no tokens
   // Near enough to exact that nobody sees it, in the time of half a frame at 60 a second.
   server::DrawSettings draw{{{PolicyKind::benefit}, {FrameBudget::Unit::milliseconds, 8}}, {}};
   server::NetworkSettings network;

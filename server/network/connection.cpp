@@ -10,6 +10,8 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <cmath>
+#include <string>
 #include <utility>
 #include <variant>
 
@@ -29,8 +31,13 @@ constexpr std::size_t kTooManyTexts = 4 * kMostTexts;
 
 }  // namespace
 
-Connection::Connection(beast::tcp_stream stream, const NetworkSettings& settings)
-    : settings_(settings), socket_(std::move(stream)), room_(socket_.get_executor()) {
+Connection::Connection(beast::tcp_stream stream, const NetworkSettings& settings, Access access)
+    : settings_(settings),
+      access_(std::move(access)),
+      socket_(std::move(stream)),
+      room_(socket_.get_executor()),
+      expiry_(socket_.get_executor()),
+      allowance_(settings.messages_per_second, Clock::now()) {
   configure();
 }
 
@@ -49,6 +56,7 @@ net::awaitable<void> Connection::run(Request request, std::shared_ptr<DesignSess
   const auto leave = [this](DesignSession* joined) {
     ending_ = true;
     room_.cancel();
+    expiry_.cancel();
     joined->leave(*this, Clock::now());
   };
   const std::unique_ptr<DesignSession, decltype(leave)> joined(session.get(), leave);
@@ -56,6 +64,7 @@ net::awaitable<void> Connection::run(Request request, std::shared_ptr<DesignSess
   const auto [error] = co_await socket_.async_accept(request, kAsTuple);
   if (!error) {
     open_ = true;
+    end_with_token();
     write_soon();
     co_await read_messages(*session);
   }
@@ -74,7 +83,7 @@ net::awaitable<void> Connection::read_messages(DesignSession& session) {
     if (error) co_return;
     const auto bytes = buffer.cdata();
     if (socket_.got_text()) {
-      handle(session, {static_cast<const char*>(bytes.data()), bytes.size()});
+      receive(session, {static_cast<const char*>(bytes.data()), bytes.size()});
     } else {
       send_text(write_error(
           Error("message", "a binary message of " + std::to_string(size) + " bytes", "text"), {}));
@@ -95,12 +104,34 @@ net::awaitable<bool> Connection::wait_for_room() {
   co_return true;
 }
 
-void Connection::handle(DesignSession& session, std::string_view text) {
+/// Handles a message that the client's allowance pays for.
+void Connection::receive(DesignSession& session, std::string_view text) {
+  if (ending_) return;  // what is still on its way changes nothing
   const Clock::time_point now = Clock::now();
+  switch (allowance_.spend(EditAllowance::cost(text.size()), now)) {
+    case EditAllowance::Verdict::granted:
+      handle(session, text, now);
+      break;
+    case EditAllowance::Verdict::refused: {
+      const std::string most = std::to_string(std::lround(settings_.messages_per_second));
+      send_text(write_error(Error("message", "too many", "at most " + most + " a second"),
+                            find_message_id(text)));
+      break;
+    }
+    case EditAllowance::Verdict::hopeless:
+      spdlog::warn("a client was closed: it sends far too many messages");
+      close({websocket::close_code::policy_error, "too many messages"});
+  }
+}
+
+void Connection::handle(DesignSession& session, std::string_view text, Clock::time_point now) {
   try {
     const ClientMessage message =
         parse_client_message(text, session.scene().environments, session.materials());
     if (const auto* const edit = std::get_if<Edit>(&message)) {
+      if (access_.role < Role::editor) {
+        throw Error("message: /type", "an edit", "none: this access token only lets you watch");
+      }
       session.apply(*this, *edit, now);
       ++unanswered_;
     } else if (const auto* const ack = std::get_if<FrameAck>(&message)) {
@@ -108,6 +139,7 @@ void Connection::handle(DesignSession& session, std::string_view text) {
         throw Error("message: /frame", std::to_string(ack->frame),
                     "the frame that was sent last, once");
       }
+      allowance_.refund(EditAllowance::cost(text.size()));  // as many as frames, and no more
     } else {
       send_text(write_pong(std::get<Ping>(message).id));
     }
@@ -155,15 +187,30 @@ void Connection::send_frame(FramePtr frame) {
 }
 
 void Connection::stop() {
-  net::post(socket_.get_executor(), [self = shared_from_this()] {
-    if (std::exchange(self->ending_, true)) return;
-    self->room_.cancel();
-    if (!self->open_) {
-      self->plain_stream().close();
-      return;
-    }
-    self->socket_.async_close(websocket::close_code::going_away, [self](beast::error_code) {});
+  net::post(socket_.get_executor(),
+            [self = shared_from_this()] { self->close({websocket::close_code::going_away}); });
+}
+
+/// Closes when the token expires. The timer does not keep the connection alive.
+void Connection::end_with_token() {
+  if (!settings_.keys) return;
+  const auto left = access_.expires + kClockSkew - WallClock::now();
+  expiry_.expires_after(std::chrono::duration_cast<Clock::duration>(left));
+  expiry_.async_wait([weak = weak_from_this()](beast::error_code error) {
+    const auto self = weak.lock();
+    if (!error && self) self->close({websocket::close_code::policy_error, "the token has expired"});
   });
+}
+
+/// On the strand; politely.
+void Connection::close(const websocket::close_reason& reason) {
+  if (std::exchange(ending_, true)) return;
+  room_.cancel();
+  if (!open_) {
+    plain_stream().close();
+    return;
+  }
+  socket_.async_close(reason, [self = shared_from_this()](beast::error_code) {});
 }
 
 /// Posted: the sender may hold its session's lock, and must not be the one to write.

@@ -14,6 +14,8 @@
 #include <optional>
 #include <string>
 
+#include "server/access/access_token.h"
+#include "server/access/edit_allowance.h"
 #include "server/network/http_server.h"
 #include "server/network/stop_gate.h"
 #include "server/protocol/stream_target.h"
@@ -30,7 +32,7 @@ class Connection final : public Client,
  public:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
-  Connection(boost::beast::tcp_stream stream, const NetworkSettings& settings);
+  Connection(boost::beast::tcp_stream stream, const NetworkSettings& settings, Access access);
 
   /// Completes the upgrade and serves until either side ends it. The client has joined `session`
   /// already, and leaves it here.
@@ -48,15 +50,21 @@ class Connection final : public Client,
   void configure();
   boost::asio::awaitable<void> read_messages(DesignSession& session);
   boost::asio::awaitable<bool> wait_for_room();
-  void handle(DesignSession& session, std::string_view text);
+  void receive(DesignSession& session, std::string_view text);
+  void handle(DesignSession& session, std::string_view text, Clock::time_point now);
   void write_soon();
   boost::asio::awaitable<void> write_waiting();
   boost::asio::awaitable<bool> write(boost::asio::const_buffer bytes, bool is_text);
+  void end_with_token();
+  void close(const boost::beast::websocket::close_reason& reason);
   void abort(const char* reason);
 
   const NetworkSettings& settings_;
+  const Access access_;
   boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket_;
-  boost::asio::steady_timer room_;  // cancelled when texts_ has room again
+  boost::asio::steady_timer room_;    // cancelled when texts_ has room again
+  boost::asio::steady_timer expiry_;  // of the token
+  EditAllowance allowance_;
   std::deque<std::string> texts_;
   std::size_t unanswered_ = 0;  // edits that the session has taken
   std::optional<std::string> state_;

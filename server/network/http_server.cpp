@@ -17,6 +17,8 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "server/access/address_limit.h"
+#include "server/access/host_policy.h"
 #include "server/network/http_session.h"
 #include "server/network/stop_gate.h"
 
@@ -32,23 +34,27 @@ constexpr std::chrono::seconds kHousekeeping{10};
 constexpr std::chrono::milliseconds kPause{20};
 /// Sockets above the bound that are still told why they are refused.
 constexpr std::size_t kRefusals = 32;
+/// The same of one address.
+constexpr std::size_t kRefusalsPerAddress = 4;
+/// Of one address when nothing else is set, beyond loopback.
+constexpr std::size_t kPerAddress = 16;
 
-Tcp::endpoint loopback_endpoint(const NetworkSettings& settings) {
+Tcp::endpoint permitted_endpoint(const NetworkSettings& settings) {
   const std::string where = settings.host + ":" + std::to_string(settings.port);
   beast::error_code failure;
   const auto address =
       net::ip::make_address(settings.host == "localhost" ? "127.0.0.1" : settings.host, failure);
   if (failure) throw Error(where, "no address", "an IP address, or localhost");
-  if (!address.is_loopback()) {
-    throw Error(where, "an address that other machines reach",
-                "a loopback address (127.0.0.1, ::1, localhost): there are no access tokens yet, "
-                "so anyone could edit");
+  if (!address.is_loopback() && !settings.keys) {
+    throw Error(where, "an address that other machines reach, and no signing keys",
+                "a loopback address (127.0.0.1, ::1, localhost), or keys for access tokens: "
+                "rimlight token --new-key FILE, then serve --key FILE");
   }
   return {address, settings.port};
 }
 
 Tcp::acceptor listening(net::io_context& context, const NetworkSettings& settings) {
-  const Tcp::endpoint endpoint = loopback_endpoint(settings);
+  const Tcp::endpoint endpoint = permitted_endpoint(settings);
   Tcp::acceptor acceptor(net::make_strand(context));
   beast::error_code failure;
   acceptor.open(endpoint.protocol(), failure);
@@ -71,6 +77,17 @@ void log_failure(const std::exception_ptr& failure) {
   }
 }
 
+std::size_t most_per_address(const Tcp::acceptor& acceptor, const NetworkSettings& settings) {
+  const bool is_loopback = acceptor.local_endpoint().address().is_loopback();
+  return settings.most_connections_per_address.value_or(is_loopback ? SIZE_MAX / 2 : kPerAddress);
+}
+
+HostPolicy host_policy(const Tcp::acceptor& acceptor, const NetworkSettings& settings) {
+  const bool is_loopback = acceptor.local_endpoint().address().is_loopback();
+  return {is_loopback ? HostPolicy::Reach::loopback : HostPolicy::Reach::network,
+          settings.host_names, settings.origins};
+}
+
 /// With the port that it really has.
 std::string address_of(const Tcp::acceptor& acceptor) {
   const Tcp::endpoint endpoint = acceptor.local_endpoint();
@@ -88,23 +105,29 @@ struct HttpServer::State {
         context(settings_.threads),
         acceptor(listening(context, settings)),
         address(address_of(acceptor)),
+        hosts(host_policy(acceptor, settings)),
+        most_of_address(most_per_address(acceptor, settings)),
         signals(acceptor.get_executor()),
         timer(acceptor.get_executor()),
-        site{settings, files, sessions_, gate} {}
+        site{settings, hosts, files, sessions_, gate} {}
 
   const NetworkSettings settings;
   SessionRegistry& sessions;
+  AddressLimit addresses;
   StopGate gate;  // outlives the coroutines that the context destroys after a hard stop
   net::io_context context;
   // The acceptor and what follows, but the address, are its strand's.
   Tcp::acceptor acceptor;
   const std::string address;
+  const HostPolicy hosts;
+  const std::size_t most_of_address;
   net::signal_set signals;
   net::steady_timer timer;  // of the housekeeping
   bool stopping = false;
   Site site;
 
   net::awaitable<void> accept();
+  void take(Tcp::socket socket);
   net::awaitable<void> keep_house();
   net::awaitable<void> drain();
   void watch_signals();
@@ -122,17 +145,33 @@ net::awaitable<void> HttpServer::State::accept() {
       co_await pause.async_wait(kAsTuple);
       continue;
     }
-    beast::error_code ignored;
-    socket.set_option(Tcp::no_delay(true), ignored);
-    const auto executor = socket.get_executor();
-    auto session = std::make_shared<HttpSession>(beast::tcp_stream(std::move(socket)), site);
-    if (!gate.enter(session, settings.most_connections + kRefusals)) continue;  // closed unheard
-    if (gate.size() > settings.most_connections) session->refuse_all();
-    net::co_spawn(executor, session->run(), [this, session](const std::exception_ptr& failure) {
-      gate.leave(*session);
-      log_failure(failure);
-    });
+    take(std::move(socket));
   }
+}
+
+/// Serves the socket, or refuses it, or closes it unheard when it is one too many for that.
+void HttpServer::State::take(Tcp::socket socket) {
+  beast::error_code failure;
+  const Tcp::endpoint peer = socket.remote_endpoint(failure);
+  if (failure) return;  // gone already
+  socket.set_option(Tcp::no_delay(true), failure);
+  const auto executor = socket.get_executor();
+  const std::string from = counted_address(peer.address().to_string());
+  auto session = std::make_shared<HttpSession>(beast::tcp_stream(std::move(socket)), site);
+  const std::size_t of_address = addresses.enter(from);
+  if (of_address > most_of_address + kRefusalsPerAddress ||
+      !gate.enter(session, settings.most_connections + kRefusals)) {
+    addresses.leave(from);
+    return;
+  }
+  if (of_address > most_of_address || gate.size() > settings.most_connections) {
+    session->refuse_all();
+  }
+  net::co_spawn(executor, session->run(), [this, session, from](const std::exception_ptr& thrown) {
+    addresses.leave(from);
+    gate.leave(*session);
+    log_failure(thrown);
+  });
 }
 
 net::awaitable<void> HttpServer::State::keep_house() {

@@ -4,28 +4,39 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "server/access/signing_keys.h"
 #include "server/network/static_files.h"
 #include "server/session/session_registry.h"
 
 namespace rimlight::server {
 
 struct NetworkSettings {
-  std::string host = "127.0.0.1";  // a loopback address: there are no access tokens
+  std::string host = "127.0.0.1";  // without keys a loopback address
   std::uint16_t port = 8080;       // 0: any free one
   int threads = 2;
   std::size_t most_connections = 128;
   std::chrono::seconds handshake_timeout{10};  // for one HTTP request, or the WebSocket's handshake
   std::chrono::seconds idle_timeout{30};       // a silent peer is pinged at half of it
   std::chrono::milliseconds stop_deadline{2000};  // for closing handshakes
+  /// Of the tokens that clients must show; null: everyone is an owner.
+  std::shared_ptr<const SigningKeys> keys{};
+  std::vector<std::string> host_names{};  // besides addresses and localhost: access/host_policy.h
+  std::vector<std::string> origins{};     // of pages, besides the server's own
+  /// Unset: no bound of its own on loopback, where a proxy has one address for all, else 16.
+  std::optional<std::size_t> most_connections_per_address{};
+  double messages_per_second = 1000;  // of one client: access/edit_allowance.h
 };
 
 /// HTTP and WebSocket on one port: the page, /healthz, /readyz, /api/scenes, /api/curves and
 /// /sessions/{name}/stream. Its threads read, write and hand over, and never compute.
 class HttpServer {
  public:
-  /// Binds and listens. Throws Error naming the address: not a loopback address, or busy.
+  /// Binds and listens. Throws Error naming the address: beyond loopback without keys, or busy;
+  /// or the host name or origin that is none.
   /// `files` and `sessions` must outlive it.
   HttpServer(const NetworkSettings& settings, const StaticFiles& files, SessionRegistry& sessions);
   ~HttpServer();

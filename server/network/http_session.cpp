@@ -9,9 +9,12 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <optional>
 #include <utility>
+#include <variant>
 
 #include "core/base/error.h"
+#include "server/network/request_checks.h"
 
 namespace rimlight::server {
 namespace {
@@ -37,6 +40,7 @@ Response make_response(http::status status, unsigned version, bool keep_alive,
   response.set(http::field::content_type, content_type);
   response.set(http::field::cache_control, "no-cache");
   response.set("X-Content-Type-Options", "nosniff");
+  response.set("Referrer-Policy", "no-referrer");
   response.set("Content-Security-Policy", kContentPolicy);
   response.keep_alive(keep_alive);
   response.body() = std::move(body);
@@ -79,13 +83,13 @@ bool is_malformed(const beast::error_code& error) {
          error != http::error::end_of_stream && error != http::error::partial_message;
 }
 
-/// A page of another site may open a WebSocket to this machine, and says so in Origin.
-bool is_foreign_origin(const Request& request) {
-  const std::string_view origin = view(request[http::field::origin]);
-  if (origin.empty()) return false;  // not a browser
-  const std::size_t scheme = origin.find("://");
-  return scheme == std::string_view::npos ||
-         origin.substr(scheme + 3) != view(request[http::field::host]);
+/// Neither what is wrong with a token nor whether a session exists is a stranger's business.
+Response refuse(const Request& request, const Refusal& refusal) {
+  Response response = plain(request, refusal.status, refusal.reason);
+  if (refusal.status == http::status::unauthorized) {
+    response.set(http::field::www_authenticate, "Bearer");
+  }
+  return response;
 }
 
 }  // namespace
@@ -99,7 +103,7 @@ net::awaitable<void> HttpSession::run() {
     http::request_parser<http::empty_body> parser;
     parser.header_limit(kLargestHeader);
     stream_.expires_after(site_.settings.handshake_timeout);
-    const auto [error, size] = co_await http::async_read(stream_, buffer, parser, kAsTuple);
+    const auto [error, size] = co_await http::async_read_header(stream_, buffer, parser, kAsTuple);
     if (error) {
       if (is_malformed(error)) {
         Request malformed;
@@ -108,7 +112,13 @@ net::awaitable<void> HttpSession::run() {
       }
       break;
     }
+    const bool has_body = !parser.is_done();
     Request request = parser.release();
+    if (const auto fault = request_fault(request, has_body, site_.hosts)) {
+      request.keep_alive(false);  // whatever follows is no request
+      co_await answer(stream_, refuse(request, *fault));
+      break;
+    }
     if (!refusing_ && beast::websocket::is_upgrade(request)) {
       co_await upgrade(std::move(request));
       co_return;
@@ -128,24 +138,45 @@ net::awaitable<bool> HttpSession::answer(beast::tcp_stream& stream, Response res
   co_return response.keep_alive();
 }
 
+/// Who asks is known before anything is said about what is asked for.
 net::awaitable<void> HttpSession::upgrade(Request request) {
   request.keep_alive(false);  // after a refusal
-  connection_ = std::make_shared<Connection>(std::move(stream_), site_.settings);
-  std::shared_ptr<DesignSession> session;
-  Response refusal;
-  if (is_foreign_origin(request)) {
-    refusal = plain(request, http::status::forbidden, "the page comes from another origin");
+  std::optional<Response> refusal;
+  StreamTarget target;
+  std::variant<Access, Refusal> admitted;
+  if (const auto fault = origin_fault(request, site_.hosts)) {
+    refusal = refuse(request, *fault);
   } else {
     try {
-      const StreamTarget target = parse_stream_target(view(request.target()));
-      session = site_.sessions.join(target.session, target.scene, connection_, Clock::now());
-      refusal = plain(request, http::status::service_unavailable,
-                      "all sessions of this server are in use; try again later");
-    } catch (const StoreError& error) {
-      refusal = plain(request, http::status::service_unavailable, error.what());
+      target = parse_stream_target(view(request.target()));
+      admitted = admit(request, target.token, target.session, site_.settings.keys.get());
+      if (const auto* const fault_of_token = std::get_if<Refusal>(&admitted)) {
+        refusal = refuse(request, *fault_of_token);
+      }
     } catch (const Error& error) {
       refusal = plain(request, http::status::not_found, error.what());
     }
+  }
+  if (refusal) {
+    co_await answer(stream_, std::move(*refusal));
+  } else {
+    co_await connect(std::move(request), target, std::get<Access>(admitted));
+  }
+}
+
+net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& target,
+                                          const Access& access) {
+  connection_ = std::make_shared<Connection>(std::move(stream_), site_.settings, access);
+  std::shared_ptr<DesignSession> session;
+  Response refusal;
+  try {
+    session = site_.sessions.join(target.session, target.scene, connection_, Clock::now());
+    refusal = plain(request, http::status::service_unavailable,
+                    "all sessions of this server are in use; try again later");
+  } catch (const StoreError& error) {
+    refusal = plain(request, http::status::service_unavailable, error.what());
+  } catch (const Error& error) {
+    refusal = plain(request, http::status::not_found, error.what());
   }
   if (session) {
     co_await connection_->run(std::move(request), std::move(session));
@@ -171,6 +202,10 @@ Response HttpSession::respond(const Request& request) const {
   const std::string_view target = view(request.target());
   const std::size_t question = target.find('?');
   const std::string_view path = target.substr(0, question);
+  if (path.starts_with("/api/")) {
+    const auto admitted = admit(request, {}, {}, site_.settings.keys.get());
+    if (const auto* const fault = std::get_if<Refusal>(&admitted)) return refuse(request, *fault);
+  }
   Response response;
   if (path == "/healthz" || path == "/readyz") {
     response = plain(request, http::status::ok, "ok");

@@ -10,6 +10,7 @@
 #include <boost/beast/http/string_body.hpp>
 #include <memory>
 
+#include "server/access/host_policy.h"
 #include "server/network/connection.h"
 #include "server/network/http_server.h"
 #include "server/network/stop_gate.h"
@@ -19,6 +20,7 @@ namespace rimlight::server {
 /// What all sockets of a server share.
 struct Site {
   const NetworkSettings& settings;
+  const HostPolicy& hosts;
   const StaticFiles& files;
   SessionRegistry& sessions;
   StopGate& gate;
@@ -40,6 +42,8 @@ class HttpSession final : public Stoppable, public std::enable_shared_from_this<
 
  private:
   boost::asio::awaitable<void> upgrade(Request request);
+  boost::asio::awaitable<void> connect(Request request, const StreamTarget& target,
+                                       const Access& access);
   boost::asio::awaitable<bool> answer(boost::beast::tcp_stream& stream, Response response);
   Response respond(const Request& request) const;
 

@@ -24,6 +24,25 @@ std::string checked_name(std::string_view name, const char* what) {
   return std::string(name);
 }
 
+/// scene=NAME and token=TOKEN, each at most once, in any order.
+void read_parameters(std::string_view query, StreamTarget& result) {
+  const Error wrong("URL", "other parameters", "scene=NAME, token=TOKEN, both or none");
+  while (!query.empty()) {
+    const std::size_t end = std::min(query.find('&'), query.size());
+    const std::string_view part = query.substr(0, end);
+    query.remove_prefix(std::min(end + 1, query.size()));
+    constexpr std::string_view kScene = "scene=";
+    constexpr std::string_view kToken = "token=";
+    if (part.starts_with(kScene) && result.scene.empty()) {
+      result.scene = checked_name(part.substr(kScene.size()), "scene");
+    } else if (part.starts_with(kToken) && result.token.empty()) {
+      result.token = part.substr(kToken.size());
+    } else {
+      throw wrong;
+    }
+  }
+}
+
 }  // namespace
 
 bool is_valid_name(std::string_view name) {
@@ -43,12 +62,7 @@ StreamTarget parse_stream_target(std::string_view target) {
       path.substr(kPrefix.size(), path.size() - kPrefix.size() - kSuffix.size()), "session");
   if (question == std::string_view::npos) return result;
 
-  const std::string_view query = target.substr(question + 1);
-  constexpr std::string_view kScene = "scene=";
-  if (!query.starts_with(kScene)) {
-    throw Error("URL", "the parameters " + quote(query), "scene=NAME or none");
-  }
-  result.scene = checked_name(query.substr(kScene.size()), "scene");
+  read_parameters(target.substr(question + 1), result);
   return result;
 }
 

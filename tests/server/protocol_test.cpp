@@ -153,6 +153,8 @@ TEST(StreamTargets, NameASessionAndAScene) {
   EXPECT_EQ(parse_stream_target("/sessions/a/stream"), (StreamTarget{"a", ""}));
   EXPECT_EQ(parse_stream_target("/sessions/A.b_c-9/stream?scene=terrace"),
             (StreamTarget{"A.b_c-9", "terrace"}));
+  EXPECT_EQ(parse_stream_target("/sessions/a/stream?token=x.y_z&scene=s"),
+            (StreamTarget{"a", "s", "x.y_z"}));
 }
 
 TEST(StreamTargets, AnythingElseIsAnError) {
@@ -161,7 +163,9 @@ TEST(StreamTargets, AnythingElseIsAnError) {
         std::string("/sessions/a"), std::string("/sessions/a/b/stream"),
         std::string("/sessions/a%2fb/stream"), std::string("/sessions/ä/stream"),
         std::string("/sessions/a/stream?scene="), std::string("/sessions/a/stream?scene=../x"),
-        std::string("/sessions/a/stream?scene=x&y=z"), std::string("/sessions/a/stream?x=y"),
+        std::string("/sessions/a/stream?scene=x&y=z"),
+        std::string("/sessions/a/stream?scene=x&scene=y"),
+        std::string("/sessions/a/stream?token=x&token=y"), std::string("/sessions/a/stream?x=y"),
         "/sessions/" + std::string(65, 'a') + "/stream"}) {
     EXPECT_NE(error_of([&] { parse_stream_target(target); }), "no error") << target;
   }

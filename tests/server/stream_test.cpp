@@ -18,7 +18,8 @@ using test::RawSocket;
 
 constexpr seconds kPatience{10};
 constexpr const char* kUpgrade =
-    "GET /sessions/a/stream HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+    "GET /sessions/a/stream HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: "
+    "websocket\r\n"
     "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
 
 Clock::time_point soon() { return Clock::now() + kPatience; }

@@ -37,10 +37,10 @@ export class CurveEditor {
   #scales = { half_angle: 'logarithmic', difference_angle: 'linear' }; // of curves not drawn
   #held = null; // while a point moves: {top, colour}
 
-  constructor({ onChange, onDrop, onError }) {
+  constructor({ headers, onChange, onDrop, onError }) {
     this.#onChange = onChange;
     this.#onDrop = onDrop;
-    this.#library = new CurveLibrary({ onArrival: () => this.#render(), onError });
+    this.#library = new CurveLibrary({ headers, onArrival: () => this.#render(), onError });
     this.#plot = new CurvePlot(element('plot'), {
       onGrab: (index) => this.#hold(index),
       onMove: (index, position, value) => this.#movePoint(index, position, value),

@@ -1,13 +1,15 @@
 // The server's curves: what BRDFs are as they were baked or measured, fetched once each.
 
-/** onArrival() when one came that was asked for; onError(text) when it could not. */
+/** headers: of each request; onArrival() when one came that was asked for; onError(text) when it could not. */
 export class CurveLibrary {
   #scene = '';
   #known = new Map(); // URL → curves; null while they are on their way
+  #headers;
   #onArrival;
   #onError;
 
-  constructor({ onArrival, onError }) {
+  constructor({ headers = {}, onArrival, onError }) {
+    this.#headers = headers;
     this.#onArrival = onArrival;
     this.#onError = onError;
   }
@@ -32,7 +34,7 @@ export class CurveLibrary {
 
   async #fetch(url) {
     try {
-      const response = await fetch(url);
+      const response = await fetch(url, { headers: this.#headers });
       const body = await response.json();
       if (!response.ok) throw new Error(body.reason);
       this.#known.set(url, body);

@@ -1,3 +1,4 @@
+import { authorization, takeToken } from './access.js';
 import { Connection } from './connection.js';
 import { Controls } from './controls.js';
 import { CurveEditor } from './curve_editor.js';
@@ -11,14 +12,18 @@ import { Viewer } from './viewer.js';
 
 const element = (id) => document.getElementById(id);
 
+const token = takeToken(window);
+
 /** ws://HOST/sessions/NAME/stream?scene=NAME, from this page's own ?session=…&scene=…. */
 function streamUrl(location) {
   const parameters = new URLSearchParams(location.search);
   const session = encodeURIComponent(parameters.get('session') || 'default');
-  const scene = parameters.get('scene');
   const protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
-  const query = scene ? `?scene=${encodeURIComponent(scene)}` : '';
-  return `${protocol}//${location.host}/sessions/${session}/stream${query}`;
+  const query = new URLSearchParams();
+  if (parameters.get('scene')) query.set('scene', parameters.get('scene'));
+  if (token) query.set('token', token); // a browser's WebSocket has no headers to set
+  const path = `/sessions/${session}/stream`;
+  return `${protocol}//${location.host}${path}${String(query) ? `?${query}` : ''}`;
 }
 
 const connection = new Connection(streamUrl(window.location));
@@ -28,7 +33,7 @@ const measurements = new Measurements(document);
 const toasts = new Toasts(element('toasts'));
 const controls = new Controls(change);
 const materials = new Materials(change);
-const curves = new CurveEditor({ onChange: change, onDrop: () => adopt(), onError: (text) => toasts.say(text) });
+const curves = new CurveEditor({ headers: authorization(token), onChange: change, onDrop: () => adopt(), onError: (text) => toasts.say(text) });
 
 function onGrab(grabbed) {
   element('canvas').classList.toggle('dragging', grabbed);

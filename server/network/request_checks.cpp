@@ -1,0 +1,73 @@
+#include "server/network/request_checks.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/beast/core/string.hpp>
+#include <boost/beast/http/field.hpp>
+
+#include "core/base/error.h"
+
+namespace rimlight::server {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+
+std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
+
+/// Of the one Authorization header; empty when there is none, or none of the scheme Bearer.
+std::string bearer_token(const EmptyRequest& request) {
+  constexpr std::string_view kScheme = "Bearer ";
+  if (request.count(http::field::authorization) != 1) return {};
+  const beast::string_view value = request[http::field::authorization];
+  if (!beast::iequals(value.substr(0, kScheme.size()), {kScheme.data(), kScheme.size()})) return {};
+  return std::string(view(value.substr(kScheme.size())));
+}
+
+}  // namespace
+
+std::optional<Refusal> request_fault(const EmptyRequest& request, bool has_body,
+                                     const HostPolicy& hosts) {
+  if (request.count(http::field::host) != 1) {
+    return Refusal{http::status::bad_request, "exactly one Host header is needed"};
+  }
+  if (!hosts.allows_host(view(request[http::field::host]))) {
+    return Refusal{http::status::misdirected_request, "this server has another name"};
+  }
+  if (has_body) return Refusal{http::status::bad_request, "a body is not taken"};
+  return std::nullopt;
+}
+
+std::optional<Refusal> origin_fault(const EmptyRequest& request, const HostPolicy& hosts) {
+  const std::size_t count = request.count(http::field::origin);
+  if (count == 0) return std::nullopt;
+  if (count == 1 &&
+      hosts.allows_origin(view(request[http::field::origin]), view(request[http::field::host]))) {
+    return std::nullopt;
+  }
+  return Refusal{http::status::forbidden, "the page comes from another origin"};
+}
+
+std::variant<Access, Refusal> admit(const EmptyRequest& request, const std::string& token,
+                                    std::string_view session, const SigningKeys* keys) {
+  if (keys == nullptr) {
+    return Access{Role::owner, std::string(Access::kAnySession), {}, WallClock::time_point::max()};
+  }
+  const std::string shown =
+      request.count(http::field::authorization) > 0 ? bearer_token(request) : token;
+  const Refusal unknown{http::status::unauthorized, "a valid access token is needed"};
+  if (shown.empty()) return unknown;
+  auto checked = check_token(shown, *keys, WallClock::now());
+  if (const auto* const fault = std::get_if<TokenFault>(&checked)) {
+    spdlog::info("refused a token: it is {}", to_string(*fault));
+    return unknown;
+  }
+  Access& access = std::get<Access>(checked);
+  if (!session.empty() && !access.opens(session)) {
+    spdlog::info("refused a token: it is of another session");
+    return Refusal{http::status::forbidden, "the access token is not for this"};
+  }
+  return std::move(access);
+}
+
+}  // namespace rimlight::server

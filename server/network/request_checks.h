@@ -1,0 +1,41 @@
+#pragma once
+
+// Includes Beast: for the network layer's own .cpp files only.
+
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/status.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "server/access/access_token.h"
+#include "server/access/host_policy.h"
+
+namespace rimlight::server {
+
+using EmptyRequest = boost::beast::http::request<boost::beast::http::empty_body>;
+
+/// Why a request is not answered, in words that tell a stranger nothing.
+struct Refusal {
+  boost::beast::http::status status;
+  const char* reason;
+};
+
+/// What is wrong with a request whatever it asks for, known from its header alone: no Host or more
+/// than one (400), one that is not this server's (421), or a body (400).
+std::optional<Refusal> request_fault(const EmptyRequest& request, bool has_body,
+                                     const HostPolicy& hosts);
+
+/// 403 for a WebSocket from a page of another origin. Other programs than browsers send none.
+std::optional<Refusal> origin_fault(const EmptyRequest& request, const HostPolicy& hosts);
+
+/// What the request may do: an owner's everything when `keys` is null; else what its token says, of
+/// `Authorization: Bearer` or else `token`, of the query. 401 for a token that is missing or not
+/// believed, 403 for one of another session than `session`, when that is not empty. Logs why, never
+/// a token.
+std::variant<Access, Refusal> admit(const EmptyRequest& request, const std::string& token,
+                                    std::string_view session, const SigningKeys* keys);
+
+}  // namespace rimlight::server
