@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <map>
 
@@ -253,7 +254,7 @@ TEST_F(CurveLayerTest, WhateverCameBeforeTheSettledImageIsThatOfTheState) {
     if (step == 7) state.materials["gold"].roughness = 0.7;
     if (step == 9) state.materials.erase("gold");
     layer.move(request(), {FrameBudget::Unit::coefficients, 5});
-    int asked = 0;
+    std::atomic<int> asked{0};
     layer.improve([&asked] { return ++asked > 3; });
   }
   LayerReport report;
