@@ -6,7 +6,7 @@ import { join, resolve } from 'node:path';
 import { after, before, test } from 'node:test';
 import { chromium } from 'playwright-core';
 import * as pages from './pages.js';
-import { checkMessages, drag, frameOf, pixels, waitForExact } from './pages.js';
+import { changes, checkMessages, drag, pixels } from './pages.js';
 import { curveBake, root, run, startServer } from './server.js';
 
 const screenshots = resolve(root, 'tests/e2e/screenshots');
@@ -23,14 +23,6 @@ after(async () => {
   await browser?.close();
   await server?.stop();
 });
-
-/** Does something that must change the exact picture. */
-async function changes(page, act) {
-  const [frame, old] = [await frameOf(page), await pixels(page)];
-  await act();
-  await waitForExact(page, frame);
-  assert.notEqual(await pixels(page), old);
-}
 
 const points = (page) => page.locator('.curve-points circle');
 

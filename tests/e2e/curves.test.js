@@ -5,7 +5,7 @@ import { resolve } from 'node:path';
 import { after, before, test } from 'node:test';
 import { chromium } from 'playwright-core';
 import * as pages from './pages.js';
-import { checkMessages, frameOf, kPatience, pixels, waitForExact } from './pages.js';
+import { changes, checkMessages, kPatience, pixels, waitForExact } from './pages.js';
 import { faults } from './schemas.js';
 import { root, startCurveServer } from './server.js';
 
@@ -27,13 +27,6 @@ after(async () => {
 function openPage(session, options) {
   return pages.openPage(browser, `${server.address}?session=${session}`,
     { viewport: { width: 1280, height: 800 }, ...options });
-}
-
-async function changes(page, act) {
-  const [frame, old] = [await frameOf(page), await pixels(page)];
-  await act();
-  await waitForExact(page, frame);
-  assert.notEqual(await pixels(page), old);
 }
 
 function edits(messages) {

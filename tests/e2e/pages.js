@@ -37,6 +37,14 @@ export function pixels(page) {
   return page.$eval('#canvas', (canvas) => canvas.toDataURL());
 }
 
+/** Does something that must change the exact picture. */
+export async function changes(page, act) {
+  const [frame, old] = [await frameOf(page), await pixels(page)];
+  await act();
+  await waitForExact(page, frame);
+  assert.notEqual(await pixels(page), old);
+}
+
 export async function drag(page, dx, dy, { steps = 20, button = 'left' } = {}) {
   const box = await page.locator('#canvas').boundingBox();
   const x = box.x + box.width / 2;

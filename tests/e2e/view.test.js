@@ -5,7 +5,7 @@ import { join, resolve } from 'node:path';
 import { after, before, test } from 'node:test';
 import { chromium } from 'playwright-core';
 import * as pages from './pages.js';
-import { checkMessages, drag, frameOf, kPatience, pixels, waitForExact } from './pages.js';
+import { changes, checkMessages, drag, frameOf, kPatience, pixels, waitForExact } from './pages.js';
 import { bake, root, run, startServer, vertexBake } from './server.js';
 
 const screenshots = resolve(root, 'tests/e2e/screenshots');
@@ -25,14 +25,6 @@ after(async () => {
 
 function openPage(session, scene, options) {
   return pages.openPage(browser, `${server.address}?session=${session}&scene=${scene}`, options);
-}
-
-/** Does something that must change the exact picture. */
-async function changes(page, act) {
-  const [frame, old] = [await frameOf(page), await pixels(page)];
-  await act();
-  await waitForExact(page, frame);
-  assert.notEqual(await pixels(page), old);
 }
 
 function edits(messages) {
