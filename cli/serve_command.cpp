@@ -101,14 +101,39 @@ std::unique_ptr<server::SessionStore> open_store(const ServeConfig& config) {
     spdlog::info("sessions live in memory: --store keeps them in a file");
     return nullptr;
   }
-  auto store =
-      std::make_unique<server::SqliteStore>(server::SqliteStoreSettings{.file = config.store});
+  auto store = std::make_unique<server::SqliteStore>(
+      server::SqliteStoreSettings{.file = config.store, .metrics = config.network.metrics});
   spdlog::info("sessions are kept in {}", config.store.string());
   return store;
 }
 
+/// For what counts as much: one count of everything.
+std::shared_ptr<server::ServerMetrics> count_all(ServeConfig& config) {
+  auto metrics = std::make_shared<server::ServerMetrics>();
+  config.network.metrics = metrics;
+  config.sessions.session.metrics = metrics;
+  server::ServerMetrics::Limits limits{.scenes = config.bakes.size(),
+                                       .most_sockets = config.network.most_connections,
+                                       .most_sessions = config.sessions.most_sessions};
+  const FrameBudget& budget = config.draw.relight.budget;
+  switch (budget.unit) {
+    case FrameBudget::Unit::coefficients:
+      limits.budget_columns = budget.amount;
+      break;
+    case FrameBudget::Unit::bytes:
+      limits.budget_bytes = budget.amount;
+      break;
+    case FrameBudget::Unit::milliseconds:
+      limits.budget_seconds = budget.amount / 1000;
+      break;
+  }
+  metrics->serve(limits);
+  return metrics;
+}
+
 int serve(const ServeOptions& options) {
-  const ServeConfig config = merge(options);
+  ServeConfig config = merge(options);
+  const std::shared_ptr<server::ServerMetrics> metrics = count_all(config);
   const server::StaticFiles files(config.web);
   const server::SceneCatalog scenes = open_scenes(config);
   server::RenderQueue queue;

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
@@ -19,6 +20,7 @@
 #include "core/base/error.h"
 #include "server/access/address_limit.h"
 #include "server/access/host_policy.h"
+#include "server/log/event_log.h"
 #include "server/network/http_session.h"
 #include "server/network/stop_gate.h"
 
@@ -109,7 +111,7 @@ struct HttpServer::State {
         most_of_address(most_per_address(acceptor, settings)),
         signals(acceptor.get_executor()),
         timer(acceptor.get_executor()),
-        site{settings, hosts, files, sessions_, gate} {}
+        site{settings, hosts, files, sessions_, gate, stopping} {}
 
   const NetworkSettings settings;
   SessionRegistry& sessions;
@@ -122,12 +124,14 @@ struct HttpServer::State {
   const HostPolicy hosts;
   const std::size_t most_of_address;
   net::signal_set signals;
-  net::steady_timer timer;  // of the housekeeping
-  bool stopping = false;
+  net::steady_timer timer;            // of the housekeeping
+  std::atomic<bool> stopping{false};  // changes on the acceptor's strand
+  std::int64_t sockets = 0;           // so far: their ids in the log
   Site site;
 
   net::awaitable<void> accept();
   void take(Tcp::socket socket);
+  void refuse_unheard(std::int64_t socket) const;
   net::awaitable<void> keep_house();
   net::awaitable<void> drain();
   void watch_signals();
@@ -157,11 +161,13 @@ void HttpServer::State::take(Tcp::socket socket) {
   socket.set_option(Tcp::no_delay(true), failure);
   const auto executor = socket.get_executor();
   const std::string from = counted_address(peer.address().to_string());
-  auto session = std::make_shared<HttpSession>(beast::tcp_stream(std::move(socket)), site);
+  auto session =
+      std::make_shared<HttpSession>(beast::tcp_stream(std::move(socket)), site, ++sockets);
   const std::size_t of_address = addresses.enter(from);
   if (of_address > most_of_address + kRefusalsPerAddress ||
       !gate.enter(session, settings.most_connections + kRefusals)) {
     addresses.leave(from);
+    refuse_unheard(sockets);
     return;
   }
   if (of_address > most_of_address || gate.size() > settings.most_connections) {
@@ -172,6 +178,12 @@ void HttpServer::State::take(Tcp::socket socket) {
     gate.leave(*session);
     log_failure(thrown);
   });
+}
+
+void HttpServer::State::refuse_unheard(std::int64_t socket) const {
+  constexpr RefusalReason kReason = RefusalReason::too_many_sockets;
+  settings.metrics->refused(kReason);
+  log_event(Severity::warning, "refused", {{"connection", socket}, {"reason", to_string(kReason)}});
 }
 
 net::awaitable<void> HttpServer::State::keep_house() {
@@ -192,7 +204,7 @@ void HttpServer::State::watch_signals() {
 
 /// On the acceptor's strand. First politely, then, at the deadline, hard.
 void HttpServer::State::stop() {
-  if (std::exchange(stopping, true)) return;
+  if (stopping.exchange(true)) return;
   beast::error_code ignored;
   acceptor.close(ignored);
   signals.cancel(ignored);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/access/signing_keys.h"
+#include "server/metrics/server_metrics.h"
 #include "server/network/static_files.h"
 #include "server/session/session_registry.h"
 
@@ -29,10 +30,11 @@ struct NetworkSettings {
   /// Unset: no bound of its own on loopback, where a proxy has one address for all, else 16.
   std::optional<std::size_t> most_connections_per_address{};
   double messages_per_second = 1000;  // of one client: access/edit_allowance.h
+  std::shared_ptr<ServerMetrics> metrics = unread_metrics();
 };
 
-/// HTTP and WebSocket on one port: the page, /healthz, /readyz, /api/scenes, /api/curves and
-/// /sessions/{name}/stream. Its threads read, write and hand over, and never compute.
+/// HTTP and WebSocket on one port: the page, /healthz, /readyz, /metrics, /api/scenes, /api/curves
+/// and /sessions/{name}/stream. Its threads read, write and hand over, and never compute.
 class HttpServer {
  public:
   /// Binds and listens. Throws Error naming the address: beyond loopback without keys, or busy;

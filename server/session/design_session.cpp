@@ -32,7 +32,10 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
   newest_revision_ = revision_.number;
   idle_since_ = queue.now();
   last_edit_ = *idle_since_ - settings.quiet;  // the first frame need not wait for quiet
+  settings_.metrics->session_opened();
 }
+
+DesignSession::~DesignSession() { settings_.metrics->session_closed(); }
 
 // Messages are handed over under the mutex, so that every client sees revisions in order; the calls
 // only post to the client's strand.
@@ -57,6 +60,10 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
 void DesignSession::leave(const Client& client, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   std::erase_if(viewers_, [&](const Viewer& viewer) { return viewer.client.get() == &client; });
+  if (viewers_.empty()) {  // nobody waits for a frame
+    oldest_edit_.reset();
+    newest_edit_.reset();
+  }
   if (viewers_.empty() && (!waiting_ || waiting_->empty())) idle_since_ = now;
   reschedule(now);
 }
@@ -68,31 +75,40 @@ void DesignSession::apply(const Client& client, const Edit& edit, Clock::time_po
   if (waiting_) {
     const std::string author = "client " + std::to_string(viewer == nullptr ? 0 : viewer->number);
     waiting_->add(edit, sender, author, state_, revision_,
-                  [self = shared_from_this()](const std::optional<StoreError>& refusal) {
-                    self->settle(refusal);
+                  [self = shared_from_this(), now](const std::optional<StoreError>& refusal) {
+                    self->settle(refusal, now);
                   });
     return;
   }
   WaitingEdit applied{sender, edit.id, {revision_.epoch, revision_.number + 1}, state_};
   apply_edit(edit, applied.state);
-  show(applied, now);
+  show(applied, now, now);
 }
 
-void DesignSession::settle(const std::optional<StoreError>& refusal) {
+void DesignSession::settle(const std::optional<StoreError>& refusal, Clock::time_point arrived) {
   const std::lock_guard lock(mutex_);
   const auto outcome = refusal ? WaitingEdits::Outcome::refused : WaitingEdits::Outcome::durable;
   const WaitingEdit edit = waiting_->take(outcome);
   const Clock::time_point now = queue_.now();
   if (viewers_.empty() && waiting_->empty()) idle_since_ = now;
   if (!refusal) {
-    show(edit, now);
-  } else if (const auto client = edit.client.lock()) {
+    show(edit, arrived, now);
+    return;
+  }
+  settings_.metrics->edit_refused();
+  if (const auto client = edit.client.lock()) {
     const auto id = edit.id.empty() ? std::nullopt : std::optional(edit.id);
     client->send_answer(write_error(*refusal, id));
   }
 }
 
-void DesignSession::show(const WaitingEdit& edit, Clock::time_point now) {
+void DesignSession::show(const WaitingEdit& edit, Clock::time_point arrived,
+                         Clock::time_point now) {
+  settings_.metrics->edit_applied();
+  if (!viewers_.empty()) {
+    oldest_edit_ = std::min(oldest_edit_.value_or(arrived), arrived);
+    newest_edit_ = arrived;
+  }
   state_ = edit.state;
   revision_ = edit.revision;
   newest_revision_.store(revision_.number, std::memory_order_relaxed);
@@ -178,11 +194,12 @@ void DesignSession::reschedule(Clock::time_point now) {
 }
 
 DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
-  Task task{Work::none, state_, revision_, 0};
+  Task task{Work::none, state_, revision_, 0, std::nullopt};
   if (closed_.load()) return task;
   if (moving_since_) {
     task.kind = Work::moving;
     task.queue_ms = milliseconds(now - *std::exchange(moving_since_, std::nullopt));
+    task.edit = std::exchange(oldest_edit_, std::nullopt);
     // Counted as shown already now: only edits that come during the work ask for another.
     moving_revision_ = revision_.number;
   } else if (unfinished_ == Unfinished::exact_frame) {
@@ -190,6 +207,7 @@ DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
   } else if (exact_since_ && now >= *exact_since_) {
     task.kind = Work::exact;
     task.queue_ms = milliseconds(now - *std::exchange(exact_since_, std::nullopt));
+    task.edit = newest_edit_;
   } else if (unfinished_ != Unfinished::nothing) {
     task.kind = Work::improve;
   }
@@ -266,20 +284,29 @@ FramePtr DesignSession::make_frame(const Task& task) {
   header.update_ms = report.update_ms;
   header.display_ms = report.display_ms;
   header.encode_ms = milliseconds(queue_.now() - start);
+  settings_.metrics->frame_made(header);
   return write_frame_message(header, payload_);
 }
 
 void DesignSession::deliver(const Task& task, const FramePtr& frame) {
   const std::lock_guard lock(mutex_);
   moving_revision_ = std::max(moving_revision_, task.revision.number);
+  using Kind = ServerMetrics::FrameKind;
+  const Kind kind = task.kind == Work::exact ? Kind::exact : Kind::moving;
+  if (task.edit) settings_.metrics->edit_shown(kind, queue_.now() - *task.edit);
   if (task.kind == Work::exact) {
     exact_revision_ = task.revision.number;
     exact_frame_ = frame;
+    if (revision_.number == task.revision.number) {
+      oldest_edit_.reset();
+      newest_edit_.reset();
+    }
   }
   for (Viewer& viewer : viewers_) offer(viewer, frame);
 }
 
 void DesignSession::fail(const Task& task, const std::string& reason) {
+  settings_.metrics->frame_failed();
   const std::lock_guard lock(mutex_);
   // Not tried again until the next edit: it would fail again.
   moving_revision_ = std::max(moving_revision_, task.revision.number);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/image/codec.h"
+#include "server/metrics/server_metrics.h"
 #include "server/protocol/messages.h"
 #include "server/schedule/render_queue.h"
 #include "server/session/client.h"
@@ -20,6 +21,7 @@ namespace rimlight::server {
 struct SessionSettings {
   std::chrono::milliseconds quiet{50};  // without an edit, before the exact frame
   int jpeg_quality = 80;
+  std::shared_ptr<ServerMetrics> metrics = unread_metrics();
 };
 
 /// Where edits of a session are kept, and what is there already.
@@ -45,6 +47,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   /// `scene` and `queue` must outlive it. Goes on from what is kept of it, in a new epoch.
   DesignSession(std::string name, const ServedScene& scene, std::int64_t epoch,
                 const SessionSettings& settings, RenderQueue& queue, const KeptSession& kept = {});
+  ~DesignSession() override;
 
   const std::string& name() const { return name_; }
   const ServedScene& scene() const { return scene_; }
@@ -83,6 +86,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
     DesignState state;
     Revision revision;
     double queue_ms = 0;
+    std::optional<Clock::time_point> edit;  // since when its latency counts: ServerMetrics
   };
   static constexpr std::int64_t kNone = -1;
 
@@ -91,11 +95,11 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   bool any_viewer_ready() const;
   void offer(Viewer& viewer, const FramePtr& frame);
   void reschedule(Clock::time_point now);
-  void show(const WaitingEdit& edit, Clock::time_point now);
+  void show(const WaitingEdit& edit, Clock::time_point arrived, Clock::time_point now);
   Task begin_task(Clock::time_point now);
 
   /// What the store says of the oldest edit that waits.
-  void settle(const std::optional<StoreError>& refusal);
+  void settle(const std::optional<StoreError>& refusal, Clock::time_point arrived);
 
   // Called on the compute thread, without the mutex.
   void improve(const Task& task);
@@ -118,6 +122,9 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   // Since when each kind of frame is wanted and could be made: the place in the fair queue.
   std::optional<Clock::time_point> moving_since_;
   std::optional<Clock::time_point> exact_since_;
+  // When the oldest edit came that no frame shows, and the newest that no exact frame does.
+  std::optional<Clock::time_point> oldest_edit_;
+  std::optional<Clock::time_point> newest_edit_;
   Unfinished unfinished_ = Unfinished::nothing;  // of what the source showed last
   FramePtr exact_frame_;
   std::vector<Viewer> viewers_;

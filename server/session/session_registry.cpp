@@ -59,6 +59,10 @@ std::size_t SessionRegistry::size() const {
   return sessions_.size();
 }
 
+std::optional<std::string> SessionRegistry::store_trouble() const {
+  return store_ == nullptr ? std::nullopt : store_->trouble();
+}
+
 /// Drops the session that has been idle longest; false when all are in use.
 bool SessionRegistry::make_room() {
   auto oldest = sessions_.end();

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "server/session/design_session.h"
@@ -41,6 +42,8 @@ class SessionRegistry {
   /// Ends all work; sessions stay readable until they are dropped.
   void close_all();
   std::size_t size() const;
+  /// Why edits are not likely to be kept now: SessionStore::trouble().
+  std::optional<std::string> store_trouble() const;
 
  private:
   using Key = std::pair<std::string, std::string>;  // scene, session
