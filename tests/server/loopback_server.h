@@ -23,6 +23,7 @@ class LoopbackServer {
     NetworkSettings network{.port = 0};
     RegistrySettings sessions;
     std::filesystem::path store;  // of sessions; without one they live in memory
+    std::string store_vfs;        // SqliteStoreSettings::vfs
   };
   explicit LoopbackServer(const Settings& settings);
   LoopbackServer() : LoopbackServer(Settings{}) {}
