@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -36,8 +37,10 @@ double start_ticks() {
 }
 
 double read_start() {
-  double up = 0;
-  std::ifstream("/proc/uptime") >> up;
+  timespec since_boot{};
+  ::clock_gettime(CLOCK_BOOTTIME, &since_boot);
+  const double up =
+      static_cast<double>(since_boot.tv_sec) + 1e-9 * static_cast<double>(since_boot.tv_nsec);
   const double now =
       std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
   return now - up + start_ticks() / static_cast<double>(::sysconf(_SC_CLK_TCK));

@@ -33,7 +33,7 @@ constexpr std::size_t kTooManyTexts = 4 * kMostTexts;
 websocket::close_reason told(CloseReason reason) {
   switch (reason) {
     case CloseReason::server_stopped:
-      return {websocket::close_code::going_away};
+      return {websocket::close_code::going_away, "the server is stopping"};
     case CloseReason::token_expired:
       return {websocket::close_code::policy_error, "the token has expired"};
     case CloseReason::too_many_messages:
@@ -149,6 +149,11 @@ void Connection::handle(DesignSession& session, std::string_view text, Clock::ti
   try {
     const ClientMessage message =
         parse_client_message(text, session.scene().environments, session.materials());
+    const bool changes =
+        !std::holds_alternative<FrameAck>(message) && !std::holds_alternative<Ping>(message);
+    if (changes && session.finishing()) {
+      throw Error("server", "about to stop", "one that stays: connect again and send it again");
+    }
     if (const auto* const edit = std::get_if<Edit>(&message)) {
       if (access_.role < Role::editor) {
         throw Error("message: /type", "an edit", "none: this access token only lets you watch");

@@ -132,6 +132,12 @@ std::optional<Clock::time_point> DesignSession::idle_since() const {
   return idle_since_;
 }
 
+bool DesignSession::settled() const {
+  const std::lock_guard lock(mutex_);
+  if (waiting_ && !waiting_->empty()) return false;
+  return viewers_.empty() || (exact_revision_ == revision_.number && viewers_.all_ready());
+}
+
 void DesignSession::close() {
   closed_.store(true);
   queue_.unschedule(*this);

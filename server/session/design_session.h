@@ -64,6 +64,12 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
 
   /// Since when nobody has it open; nothing when somebody has, or an edit is not durable yet.
   std::optional<Clock::time_point> idle_since() const;
+  /// From now on clients' edits are not to be handed over: the last state is shown, and that is
+  /// all.
+  void finish() { finishing_.store(true); }
+  bool finishing() const { return finishing_.load(std::memory_order_relaxed); }
+  /// Whether every edit is answered, and all who watch have acknowledged the exact frame.
+  bool settled() const;
   /// No more work: a render that runs is abandoned where it can be.
   void close();
 
@@ -114,6 +120,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
 
   std::atomic<std::int64_t> newest_revision_{0};  // revision_.number, to be asked between tiles
   std::atomic<bool> closed_{false};
+  std::atomic<bool> finishing_{false};
 
   FrameMaker maker_;  // the compute thread's own
 };

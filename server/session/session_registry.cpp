@@ -35,6 +35,7 @@ std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
     const KeptSession kept = load(*served, name);
     auto session = std::make_shared<DesignSession>(name, *served, next_epoch(kept.revision.epoch),
                                                    settings_.session, queue_, kept);
+    if (finishing_) session->finish();
     found = sessions_.emplace(key, std::move(session)).first;
   }
   found->second->join(client, now);
@@ -47,6 +48,18 @@ void SessionRegistry::drop_idle(Clock::time_point now) {
     const auto since = entry.second->idle_since();
     return since && now - *since >= settings_.idle;
   });
+}
+
+void SessionRegistry::finish() {
+  const std::lock_guard lock(mutex_);
+  finishing_ = true;
+  for (const auto& [key, session] : sessions_) session->finish();
+}
+
+bool SessionRegistry::finished() const {
+  const std::lock_guard lock(mutex_);
+  return std::all_of(sessions_.begin(), sessions_.end(),
+                     [](const auto& entry) { return entry.second->settled(); });
 }
 
 void SessionRegistry::close_all() {

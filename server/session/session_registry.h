@@ -39,6 +39,10 @@ class SessionRegistry {
                                                     Clock::time_point now);
   /// Forgets sessions that have been idle for too long.
   void drop_idle(Clock::time_point now);
+  /// Sessions take no more edits, later ones too: DesignSession::finish().
+  void finish();
+  /// Whether all are settled.
+  bool finished() const;
   /// Ends all work; sessions stay readable until they are dropped.
   void close_all();
   std::size_t size() const;
@@ -59,6 +63,7 @@ class SessionRegistry {
   mutable std::mutex mutex_;
   std::map<Key, std::shared_ptr<DesignSession>> sessions_;
   std::int64_t last_epoch_ = 0;
+  bool finishing_ = false;
 };
 
 }  // namespace rimlight::server

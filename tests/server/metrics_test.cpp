@@ -32,23 +32,26 @@ TEST(Metrics, TheTestsReaderRefusesWhatTheFormatDoes) {
     return error_of([&] { (void)parse_metrics(text); });
   };
   const std::string head = "# HELP a_total x\n# TYPE a_total counter\n";
-  EXPECT_EQ(fault(head + "a_total{b=\"c\\n\"} 1\n"), "");
-  EXPECT_NE(fault(head + "a_total 1"), "");
-  EXPECT_NE(fault(head + "a_total -1\n"), "");
-  EXPECT_NE(fault(head + "a_total x\n"), "");
-  EXPECT_NE(fault(head + "a_total 1\na_total 1\n"), "");
-  EXPECT_NE(fault(head + "b_total 1\n"), "");
-  EXPECT_NE(fault(head + "a_total{b=c} 1\n"), "");
-  EXPECT_NE(fault("# TYPE a_total counter\na_total 1\n"), "");
-  EXPECT_NE(fault("# HELP a x\n# TYPE a counter\na 1\n"), "");
+  EXPECT_EQ(fault(head + "a_total{b=\"c\\n\"} 1\n"), "no error");
+  EXPECT_NE(fault(head + "a_total 1"), "no error");
+  EXPECT_NE(fault(head + "a_total -1\n"), "no error");
+  EXPECT_NE(fault(head + "a_total x\n"), "no error");
+  EXPECT_NE(fault(head + "a_total 1\na_total 1\n"), "no error");
+  EXPECT_NE(fault(head + "b_total 1\n"), "no error");
+  EXPECT_NE(fault(head + "a_total{b=c} 1\n"), "no error");
+  EXPECT_NE(fault("# TYPE a_total counter\na_total 1\n"), "no error");
+  EXPECT_NE(fault("# HELP a x\n# TYPE a counter\na 1\n"), "no error");
   const std::string histogram = "# HELP h x\n# TYPE h histogram\n";
   EXPECT_EQ(
-      fault(histogram + "h_count 2\nh_sum 1\nh_bucket{le=\"1\"} 1\nh_bucket{le=\"+Inf\"} 2\n"), "");
+      fault(histogram + "h_count 2\nh_sum 1\nh_bucket{le=\"1\"} 1\nh_bucket{le=\"+Inf\"} 2\n"),
+      "no error");
   EXPECT_NE(
-      fault(histogram + "h_count 3\nh_sum 1\nh_bucket{le=\"1\"} 1\nh_bucket{le=\"+Inf\"} 2\n"), "");
+      fault(histogram + "h_count 3\nh_sum 1\nh_bucket{le=\"1\"} 1\nh_bucket{le=\"+Inf\"} 2\n"),
+      "no error");
   EXPECT_NE(
-      fault(histogram + "h_count 2\nh_sum 1\nh_bucket{le=\"1\"} 3\nh_bucket{le=\"+Inf\"} 2\n"), "");
-  EXPECT_NE(fault(histogram + "h_count 2\nh_sum 1\nh_bucket{le=\"1\"} 2\n"), "");
+      fault(histogram + "h_count 2\nh_sum 1\nh_bucket{le=\"1\"} 3\nh_bucket{le=\"+Inf\"} 2\n"),
+      "no error");
+  EXPECT_NE(fault(histogram + "h_count 2\nh_sum 1\nh_bucket{le=\"1\"} 2\n"), "no error");
 }
 
 TEST(Metrics, EveryFamilyIsThereFromTheStartAndBounded) {
