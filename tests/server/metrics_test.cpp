@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <regex>
 #include <thread>
 
+#include "core/base/files.h"
 #include "server/access/access_token.h"
 #include "server/store/sqlite_store.h"
 #include "tests/server/design_session_case.h"
@@ -67,6 +69,20 @@ TEST(Metrics, EveryFamilyIsThereFromTheStartAndBounded) {
     EXPECT_EQ(text.at(std::string("rimlight_connections_closed_total{outcome=\"") +
                       to_string(reason) + "\"}"),
               0);
+  }
+}
+
+TEST(Metrics, AreAllInTheDocument) {
+  const std::string document = read_file("docs/operations.md", std::size_t{1} << 20);
+  const MetricsText text = read(ServerMetrics{});
+  ASSERT_FALSE(text.types.empty());
+  for (const auto& [name, type] : text.types) {
+    EXPECT_NE(document.find("`" + name + "`"), std::string::npos) << name;
+  }
+  static const std::regex named("`((?:rimlight|process)_[a-z_]+)`");
+  for (std::sregex_iterator found(document.begin(), document.end(), named), end; found != end;
+       ++found) {
+    EXPECT_TRUE(text.types.contains((*found)[1])) << (*found)[1];
   }
 }
 
