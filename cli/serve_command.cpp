@@ -10,9 +10,12 @@
 #include <utility>
 
 #include "cli/command.h"
+#include "cli/serve_check.h"
 #include "cli/serve_config.h"
+#include "cli/serve_layers.h"
 #include "core/base/error.h"
 #include "core/relight/policy_settings.h"
+#include "server/log/event_log.h"
 #include "server/schedule/render_queue.h"
 #include "server/session/baked_scene.h"
 #include "server/store/sqlite_store.h"
@@ -21,13 +24,13 @@ namespace rimlight {
 namespace {
 
 /// What the disk may take for the edits that wait when the server stops.
-constexpr std::chrono::milliseconds kLastCommits{2000};
+constexpr std::chrono::milliseconds kLastCommits{800};
 
 struct ServeOptions {
   std::vector<std::string> bakes;
   std::string config;
   std::string web;
-  std::optional<std::string> host;
+  std::string host;
   std::optional<std::uint16_t> port;
   std::string key;
   std::vector<std::string> host_names;
@@ -36,6 +39,8 @@ struct ServeOptions {
   std::string policy;
   std::string window;
   std::string store;
+  std::string log;
+  bool check = false;
   bool json = false;
 };
 
@@ -60,29 +65,40 @@ std::string window_fault(const std::string& text) {
   return fault_of([&text] { parse_window(text, "--window"); });
 }
 
-/// The configuration file, if there is one, overruled by the options.
-ServeConfig merge(const ServeOptions& options) {
-  ServeConfig config = options.config.empty() ? ServeConfig{} : read_serve_config(options.config);
-  if (!options.bakes.empty()) config.bakes.assign(options.bakes.begin(), options.bakes.end());
-  if (!options.web.empty()) config.web = options.web;
-  if (options.host) config.network.host = *options.host;
-  if (options.port) config.network.port = *options.port;
-  if (!options.key.empty()) config.key_file = options.key;
-  for (const std::string& name : options.host_names) config.network.host_names.push_back(name);
-  for (const std::string& origin : options.origins) config.network.origins.push_back(origin);
-  RelightSettings& relight = config.draw.relight;
-  if (!options.budget.empty()) relight.budget = parse_budget(options.budget, "--budget");
-  if (!options.policy.empty()) relight.policy = parse_policy(options.policy, "--policy");
-  if (!options.window.empty()) {
-    config.draw.vertices.window = parse_window(options.window, "--window");
-  }
-  if (!options.store.empty()) config.store = options.store;
+/// By the names of their fields.
+OptionValues values_of(const ServeOptions& options) {
+  OptionValues values;
+  const auto text = [&values](const char* field, const std::string& value) {
+    if (!value.empty()) values[field] = value;
+  };
+  const auto list = [&values](const char* field, const std::vector<std::string>& value) {
+    if (!value.empty()) values[field] = value;
+  };
+  list("bakes", options.bakes);
+  text("web", options.web);
+  text("host", options.host);
+  if (options.port) values["port"] = *options.port;
+  text("key_file", options.key);
+  list("host_names", options.host_names);
+  list("origins", options.origins);
+  text("budget", options.budget);
+  text("policy", options.policy);
+  text("window", options.window);
+  text("store", options.store);
+  text("log", options.log);
+  return values;
+}
+
+/// Options over environment over file, and what files they name that must be read at once.
+LayeredConfig merge(const ServeOptions& options) {
+  LayeredConfig layers = layer_config(options.config, rimlight_variables(), values_of(options));
+  ServeConfig& config = layers.config;
   if (!config.key_file.empty()) {
     config.network.keys =
         std::make_shared<const server::SigningKeys>(server::read_signing_keys(config.key_file));
   }
   if (config.web.empty()) config.web = find_web_folder();
-  return config;
+  return layers;
 }
 
 server::SceneCatalog open_scenes(const ServeConfig& config) {
@@ -101,14 +117,42 @@ std::unique_ptr<server::SessionStore> open_store(const ServeConfig& config) {
     spdlog::info("sessions live in memory: --store keeps them in a file");
     return nullptr;
   }
-  auto store =
-      std::make_unique<server::SqliteStore>(server::SqliteStoreSettings{.file = config.store});
+  auto store = std::make_unique<server::SqliteStore>(
+      server::SqliteStoreSettings{.file = config.store, .metrics = config.network.metrics});
   spdlog::info("sessions are kept in {}", config.store.string());
   return store;
 }
 
+/// For what counts as much: one count of everything.
+std::shared_ptr<server::ServerMetrics> count_all(ServeConfig& config) {
+  auto metrics = std::make_shared<server::ServerMetrics>();
+  config.network.metrics = metrics;
+  config.sessions.session.metrics = metrics;
+  server::ServerMetrics::Limits limits{.scenes = config.bakes.size(),
+                                       .most_sockets = config.network.most_connections,
+                                       .most_sessions = config.sessions.most_sessions};
+  const FrameBudget& budget = config.draw.relight.budget;
+  switch (budget.unit) {
+    case FrameBudget::Unit::coefficients:
+      limits.budget_columns = budget.amount;
+      break;
+    case FrameBudget::Unit::bytes:
+      limits.budget_bytes = budget.amount;
+      break;
+    case FrameBudget::Unit::milliseconds:
+      limits.budget_seconds = budget.amount / 1000;
+      break;
+  }
+  metrics->serve(limits);
+  return metrics;
+}
+
 int serve(const ServeOptions& options) {
-  const ServeConfig config = merge(options);
+  LayeredConfig layers = merge(options);
+  ServeConfig& config = layers.config;
+  if (config.log == LogFormat::json) server::log_as_json();
+  if (options.check) return check_serve(layers, options.json);
+  const std::shared_ptr<server::ServerMetrics> metrics = count_all(config);
   const server::StaticFiles files(config.web);
   const server::SceneCatalog scenes = open_scenes(config);
   server::RenderQueue queue;
@@ -139,7 +183,9 @@ void add_serve_command(CLI::App& app, Action& chosen) {
   CLI::App* const command =
       app.add_subcommand("serve", "Serve bakes to browsers: the page, sessions, relit frames");
   command->add_option("bakes", options->bakes, "The bakes to serve; the first is the default");
-  command->add_option("--config", options->config, "A JSON file of settings; options overrule it");
+  command->add_option("--config", options->config,
+                      "A JSON file of settings; the environment (RIMLIGHT_PORT, …) and options "
+                      "overrule it");
   command->add_option("--host", options->host,
                       "The address to listen on; beyond loopback --key is needed [127.0.0.1]");
   command->add_option("--port", options->port, "The port; 0 takes a free one [8080]");
@@ -171,7 +217,13 @@ void add_serve_command(CLI::App& app, Action& chosen) {
                    "A file that keeps the sessions over restarts; made where it is not there "
                    "[none: they live in memory]")
       ->take_last();
-  command->add_flag("--json", options->json, "Print {\"address\": …} when ready");
+  command->add_option("--log", options->log, "How the log is written: text or json [text]")
+      ->check(CLI::IsMember({"text", "json"}));
+  command->add_flag("--check-config", options->check,
+                    "Read and open all that would be used, say what and where each value comes "
+                    "from, and end without listening");
+  command->add_flag("--json", options->json,
+                    "Print {\"address\": …} when ready; with --check-config, what is checked");
   command->callback([options, &chosen] { chosen = [options] { return serve(*options); }; });
 }
 

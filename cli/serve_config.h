@@ -11,7 +11,10 @@
 
 namespace rimlight {
 
-/// What `rimlight serve` can be told, by a file (docs/protocol/configuration.md) or by options.
+enum class LogFormat { text, json };
+
+/// What `rimlight serve` can be told (docs/protocol/configuration.md): by a file, the environment
+/// or options; serve_fields.h has each by its name.
 struct ServeConfig {
   std::vector<std::filesystem::path> bakes;  // the first is the default scene
   std::filesystem::path web;                 // empty: beside the program
@@ -21,10 +24,11 @@ struct ServeConfig {
   server::NetworkSettings network;
   server::RegistrySettings sessions;
   std::filesystem::path store;  // of sessions; empty: they live in memory
+  LogFormat log = LogFormat::text;
 };
 
-/// Reads a configuration file; relative paths in it are relative to its folder. Throws Error naming
-/// file and field.
+/// Reads a configuration file alone; relative paths in it are relative to its folder. Throws Error
+/// naming file and field.
 ServeConfig read_serve_config(const std::filesystem::path& file);
 
 /// The page's folder of a build tree or an installation, found from the program's own place:

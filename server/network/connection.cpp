@@ -1,7 +1,5 @@
 #include "server/network/connection.h"
 
-#include <spdlog/spdlog.h>
-
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -14,6 +12,8 @@
 #include <string>
 #include <utility>
 #include <variant>
+
+#include "server/log/event_log.h"
 
 namespace rimlight::server {
 namespace {
@@ -29,11 +29,27 @@ constexpr std::size_t kMostTexts = 64;
 /// What a session itself may add to a client that does not read, before it is closed.
 constexpr std::size_t kTooManyTexts = 4 * kMostTexts;
 
+/// What the client is told when the server closes.
+websocket::close_reason told(CloseReason reason) {
+  switch (reason) {
+    case CloseReason::server_stopped:
+      return {websocket::close_code::going_away, "the server is stopping"};
+    case CloseReason::token_expired:
+      return {websocket::close_code::policy_error, "the token has expired"};
+    case CloseReason::too_many_messages:
+      return {websocket::close_code::policy_error, "too many messages"};
+    default:
+      return {websocket::close_code::policy_error};
+  }
+}
+
 }  // namespace
 
-Connection::Connection(beast::tcp_stream stream, const NetworkSettings& settings, Access access)
+Connection::Connection(beast::tcp_stream stream, const NetworkSettings& settings, Access access,
+                       std::int64_t id)
     : settings_(settings),
       access_(std::move(access)),
+      id_(id),
       socket_(std::move(stream)),
       room_(socket_.get_executor()),
       expiry_(socket_.get_executor()),
@@ -58,12 +74,14 @@ net::awaitable<void> Connection::run(Request request, std::shared_ptr<DesignSess
     room_.cancel();
     expiry_.cancel();
     joined->leave(*this, Clock::now());
+    ended(*joined);
   };
   const std::unique_ptr<DesignSession, decltype(leave)> joined(session.get(), leave);
   beast::get_lowest_layer(socket_).expires_never();  // from here on the WebSocket's own timeouts
   const auto [error] = co_await socket_.async_accept(request, kAsTuple);
   if (!error) {
     open_ = true;
+    opened(*session);
     end_with_token();
     write_soon();
     co_await read_messages(*session);
@@ -75,12 +93,15 @@ net::awaitable<void> Connection::read_messages(DesignSession& session) {
   for (;;) {
     const bool has_room = co_await wait_for_room();
     if (!has_room) {
-      abort(unanswered_ > 0 ? "waited too long for its edits to be stored"
-                            : "does not read its replies");
+      abort(unanswered_ > 0 ? CloseReason::edits_unstored : CloseReason::not_reading);
       co_return;
     }
     const auto [error, size] = co_await socket_.async_read(buffer, kAsTuple);
-    if (error) co_return;
+    if (error) {
+      end_by(error);
+      co_return;
+    }
+    settings_.metrics->received(size);
     const auto bytes = buffer.cdata();
     if (socket_.got_text()) {
       receive(session, {static_cast<const char*>(bytes.data()), bytes.size()});
@@ -113,14 +134,14 @@ void Connection::receive(DesignSession& session, std::string_view text) {
       handle(session, text, now);
       break;
     case EditAllowance::Verdict::refused: {
+      settings_.metrics->refused(RefusalReason::rate);
       const std::string most = std::to_string(std::lround(settings_.messages_per_second));
       send_text(write_error(Error("message", "too many", "at most " + most + " a second"),
                             find_message_id(text)));
       break;
     }
     case EditAllowance::Verdict::hopeless:
-      spdlog::warn("a client was closed: it sends far too many messages");
-      close({websocket::close_code::policy_error, "too many messages"});
+      close(CloseReason::too_many_messages);
   }
 }
 
@@ -128,6 +149,11 @@ void Connection::handle(DesignSession& session, std::string_view text, Clock::ti
   try {
     const ClientMessage message =
         parse_client_message(text, session.scene().environments, session.materials());
+    const bool changes =
+        !std::holds_alternative<FrameAck>(message) && !std::holds_alternative<Ping>(message);
+    if (changes && session.finishing()) {
+      throw Error("server", "about to stop", "one that stays: connect again and send it again");
+    }
     if (const auto* const edit = std::get_if<Edit>(&message)) {
       if (access_.role < Role::editor) {
         throw Error("message: /type", "an edit", "none: this access token only lets you watch");
@@ -143,7 +169,11 @@ void Connection::handle(DesignSession& session, std::string_view text, Clock::ti
     } else {
       send_text(write_pong(std::get<Ping>(message).id));
     }
+  } catch (const StoreError& error) {
+    settings_.metrics->refused(RefusalReason::store);
+    send_text(write_error(error, find_message_id(text)));
   } catch (const Error& error) {
+    settings_.metrics->refused(RefusalReason::message);
     send_text(write_error(error, find_message_id(text)));
   }
 }
@@ -154,7 +184,7 @@ void Connection::send_text(std::string text) {
                 [self = shared_from_this(), text = std::move(text)]() mutable {
                   if (self->ending_) return;
                   if (self->texts_.size() >= kTooManyTexts) {
-                    self->abort("does not read its replies");
+                    self->abort(CloseReason::not_reading);
                     return;
                   }
                   self->texts_.push_back(std::move(text));
@@ -188,7 +218,7 @@ void Connection::send_frame(FramePtr frame) {
 
 void Connection::stop() {
   net::post(socket_.get_executor(),
-            [self = shared_from_this()] { self->close({websocket::close_code::going_away}); });
+            [self = shared_from_this()] { self->close(CloseReason::server_stopped); });
 }
 
 /// Closes when the token expires. The timer does not keep the connection alive.
@@ -198,19 +228,20 @@ void Connection::end_with_token() {
   expiry_.expires_after(std::chrono::duration_cast<Clock::duration>(left));
   expiry_.async_wait([weak = weak_from_this()](beast::error_code error) {
     const auto self = weak.lock();
-    if (!error && self) self->close({websocket::close_code::policy_error, "the token has expired"});
+    if (!error && self) self->close(CloseReason::token_expired);
   });
 }
 
 /// On the strand; politely.
-void Connection::close(const websocket::close_reason& reason) {
+void Connection::close(CloseReason reason) {
   if (std::exchange(ending_, true)) return;
+  reason_ = reason;
   room_.cancel();
   if (!open_) {
     plain_stream().close();
     return;
   }
-  socket_.async_close(reason, [self = shared_from_this()](beast::error_code) {});
+  socket_.async_close(told(reason), [self = shared_from_this()](beast::error_code) {});
 }
 
 /// Posted: the sender may hold its session's lock, and must not be the one to write.
@@ -248,15 +279,52 @@ net::awaitable<void> Connection::write_waiting() {
 net::awaitable<bool> Connection::write(net::const_buffer bytes, bool is_text) {
   socket_.text(is_text);
   const auto [error, size] = co_await socket_.async_write(bytes, kAsTuple);
-  co_return !error;
+  if (error) co_return false;
+  using Content = ServerMetrics::Content;
+  settings_.metrics->sent(is_text ? Content::text : Content::frame, size);
+  co_return true;
 }
 
 /// Ends a client that breaks the rules, without waiting for it.
-void Connection::abort(const char* reason) {
+void Connection::abort(CloseReason reason) {
   if (std::exchange(ending_, true)) return;
-  spdlog::warn("a client was closed: it {}", reason);
+  reason_ = reason;
   room_.cancel();
   plain_stream().close();
+}
+
+/// What a failed read says of the end, unless the server itself ends it.
+void Connection::end_by(const beast::error_code& error) {
+  if (reason_) return;
+  if (error == websocket::error::closed) {
+    reason_ = CloseReason::client_closed;
+  } else if (error == beast::error::timeout) {
+    reason_ = CloseReason::silent;
+  } else if (error == websocket::error::message_too_big) {
+    reason_ = CloseReason::message_too_large;
+  } else {
+    reason_ = CloseReason::client_lost;
+  }
+}
+
+void Connection::opened(const DesignSession& session) {
+  settings_.metrics->connection_opened();
+  log_event(Severity::info, "connection_opened",
+            {{"connection", id_},
+             {"session", session.name()},
+             {"scene", session.scene().name},
+             {"role", to_string(access_.role)}});
+}
+
+/// Once for each connection.
+void Connection::ended(const DesignSession& session) {
+  const CloseReason reason =
+      !open_ ? CloseReason::handshake_failed : reason_.value_or(CloseReason::client_lost);
+  settings_.metrics->connection_closed(reason);
+  const bool is_usual = reason == CloseReason::client_closed ||
+                        reason == CloseReason::client_lost || reason == CloseReason::server_stopped;
+  log_event(is_usual ? Severity::info : Severity::warning, "connection_closed",
+            {{"connection", id_}, {"session", session.name()}, {"reason", to_string(reason)}});
 }
 
 }  // namespace rimlight::server

@@ -8,6 +8,7 @@
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/websocket/stream.hpp>
+#include <cstdint>
 #include <deque>
 #include <exception>
 #include <memory>
@@ -32,7 +33,9 @@ class Connection final : public Client,
  public:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
-  Connection(boost::beast::tcp_stream stream, const NetworkSettings& settings, Access access);
+  /// `id` is in the log, with what happens to the connection.
+  Connection(boost::beast::tcp_stream stream, const NetworkSettings& settings, Access access,
+             std::int64_t id);
 
   /// Completes the upgrade and serves until either side ends it. The client has joined `session`
   /// already, and leaves it here.
@@ -56,11 +59,15 @@ class Connection final : public Client,
   boost::asio::awaitable<void> write_waiting();
   boost::asio::awaitable<bool> write(boost::asio::const_buffer bytes, bool is_text);
   void end_with_token();
-  void close(const boost::beast::websocket::close_reason& reason);
-  void abort(const char* reason);
+  void close(CloseReason reason);
+  void abort(CloseReason reason);
+  void end_by(const boost::beast::error_code& error);
+  void opened(const DesignSession& session);
+  void ended(const DesignSession& session);
 
   const NetworkSettings& settings_;
   const Access access_;
+  const std::int64_t id_;
   boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket_;
   boost::asio::steady_timer room_;    // cancelled when texts_ has room again
   boost::asio::steady_timer expiry_;  // of the token
@@ -72,6 +79,7 @@ class Connection final : public Client,
   bool open_ = false;
   bool writing_ = false;
   bool ending_ = false;
+  std::optional<CloseReason> reason_;  // the first that was known
 };
 
 }  // namespace rimlight::server

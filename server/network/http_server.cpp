@@ -1,7 +1,6 @@
 #include "server/network/http_server.h"
 
-#include <spdlog/spdlog.h>
-
+#include <atomic>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
@@ -19,6 +18,7 @@
 #include "core/base/error.h"
 #include "server/access/address_limit.h"
 #include "server/access/host_policy.h"
+#include "server/log/event_log.h"
 #include "server/network/http_session.h"
 #include "server/network/stop_gate.h"
 
@@ -73,7 +73,7 @@ void log_failure(const std::exception_ptr& failure) {
   try {
     std::rethrow_exception(failure);
   } catch (const std::exception& error) {
-    spdlog::warn("a connection ended: {}", error.what());
+    log_event(Severity::warning, "connection_failed", {{"detail", error.what()}});
   }
 }
 
@@ -109,7 +109,7 @@ struct HttpServer::State {
         most_of_address(most_per_address(acceptor, settings)),
         signals(acceptor.get_executor()),
         timer(acceptor.get_executor()),
-        site{settings, hosts, files, sessions_, gate} {}
+        site{settings, hosts, files, sessions_, gate, stopping} {}
 
   const NetworkSettings settings;
   SessionRegistry& sessions;
@@ -122,14 +122,19 @@ struct HttpServer::State {
   const HostPolicy hosts;
   const std::size_t most_of_address;
   net::signal_set signals;
-  net::steady_timer timer;  // of the housekeeping
-  bool stopping = false;
+  net::steady_timer timer;            // of the housekeeping
+  std::atomic<bool> stopping{false};  // no new sessions
+  bool closing = false;               // no sockets any more
+  std::int64_t sockets = 0;           // so far: their ids in the log
   Site site;
 
   net::awaitable<void> accept();
   void take(Tcp::socket socket);
+  void refuse_unheard(std::int64_t socket) const;
   net::awaitable<void> keep_house();
-  net::awaitable<void> drain();
+  net::awaitable<void> finish(std::chrono::milliseconds notice);
+  net::awaitable<void> close_hard();
+  void begin_drain(std::chrono::milliseconds notice);
   void watch_signals();
   void stop();
 };
@@ -140,7 +145,7 @@ net::awaitable<void> HttpServer::State::accept() {
     if (error == net::error::operation_aborted) co_return;
     if (error) {
       // Out of file descriptors, most likely: others must close first.
-      spdlog::warn("accepting failed: {}", error.message());
+      log_event(Severity::warning, "accept_failed", {{"detail", error.message()}});
       net::steady_timer pause(acceptor.get_executor(), kPause);
       co_await pause.async_wait(kAsTuple);
       continue;
@@ -157,11 +162,13 @@ void HttpServer::State::take(Tcp::socket socket) {
   socket.set_option(Tcp::no_delay(true), failure);
   const auto executor = socket.get_executor();
   const std::string from = counted_address(peer.address().to_string());
-  auto session = std::make_shared<HttpSession>(beast::tcp_stream(std::move(socket)), site);
+  auto session =
+      std::make_shared<HttpSession>(beast::tcp_stream(std::move(socket)), site, ++sockets);
   const std::size_t of_address = addresses.enter(from);
   if (of_address > most_of_address + kRefusalsPerAddress ||
       !gate.enter(session, settings.most_connections + kRefusals)) {
     addresses.leave(from);
+    refuse_unheard(sockets);
     return;
   }
   if (of_address > most_of_address || gate.size() > settings.most_connections) {
@@ -174,8 +181,14 @@ void HttpServer::State::take(Tcp::socket socket) {
   });
 }
 
+void HttpServer::State::refuse_unheard(std::int64_t socket) const {
+  constexpr RefusalReason kReason = RefusalReason::too_many_sockets;
+  settings.metrics->refused(kReason);
+  log_event(Severity::warning, "refused", {{"connection", socket}, {"reason", to_string(kReason)}});
+}
+
 net::awaitable<void> HttpServer::State::keep_house() {
-  while (!stopping) {
+  while (!closing) {
     sessions.drop_idle(Clock::now());
     timer.expires_after(kHousekeeping);
     co_await timer.async_wait(kAsTuple);
@@ -185,33 +198,67 @@ net::awaitable<void> HttpServer::State::keep_house() {
 void HttpServer::State::watch_signals() {
   signals.add(SIGINT);
   signals.add(SIGTERM);
-  signals.async_wait([this](beast::error_code error, int) {
-    if (!error) stop();
+  signals.async_wait([this](beast::error_code error, int signal) {
+    if (error) return;
+    // A proxy needs time to see that the server is leaving; a person at a terminal does not.
+    begin_drain(signal == SIGTERM ? settings.drain_notice : std::chrono::milliseconds(0));
+    signals.async_wait([this](beast::error_code second, int) {
+      if (!second) context.stop();
+    });
   });
+}
+
+void HttpServer::State::begin_drain(std::chrono::milliseconds notice) {
+  if (stopping.exchange(true)) return;
+  settings.metrics->stopping();
+  sessions.finish();
+  log_event(Severity::info, "stopping", {{"sockets", static_cast<std::int64_t>(gate.size())}});
+  net::co_spawn(acceptor.get_executor(), finish(notice), log_failure);
+}
+
+net::awaitable<void> HttpServer::State::finish(std::chrono::milliseconds notice) {
+  const Clock::time_point start = Clock::now();
+  const auto goes_on = [&] {
+    const auto passed = Clock::now() - start;
+    return passed < notice || (passed < settings.finish_deadline && !sessions.finished());
+  };
+  while (goes_on() && !closing) {
+    net::steady_timer pause(acceptor.get_executor(), kPause);
+    co_await pause.async_wait(kAsTuple);
+  }
+  stop();
 }
 
 /// On the acceptor's strand. First politely, then, at the deadline, hard.
 void HttpServer::State::stop() {
-  if (std::exchange(stopping, true)) return;
+  if (std::exchange(closing, true)) return;
+  stopping = true;
   beast::error_code ignored;
   acceptor.close(ignored);
-  signals.cancel(ignored);
   timer.cancel();
   gate.close();
-  net::co_spawn(acceptor.get_executor(), drain(), log_failure);
+  net::co_spawn(acceptor.get_executor(), close_hard(), log_failure);
 }
 
-/// The context runs dry by itself when the last socket is closed.
-net::awaitable<void> HttpServer::State::drain() {
+/// The context runs dry by itself when the last socket is closed, and no signal is waited for.
+net::awaitable<void> HttpServer::State::close_hard() {
   const Clock::time_point end = Clock::now() + settings.stop_deadline;
   while (gate.size() > 0 && Clock::now() < end) {
     net::steady_timer pause(acceptor.get_executor(), kPause);
     co_await pause.async_wait(kAsTuple);
   }
   if (gate.size() > 0) {
-    spdlog::warn("{} sockets were closed hard", gate.size());
+    log_event(Severity::warning, "closed_hard",
+              {{"sockets", static_cast<std::int64_t>(gate.size())}});
     context.stop();
   }
+  beast::error_code ignored;
+  signals.cancel(ignored);
+}
+
+void check_network(const NetworkSettings& settings) {
+  (void)permitted_endpoint(settings);
+  (void)HostPolicy(HostPolicy::Reach::network, settings.host_names, settings.origins);
 }
 
 HttpServer::HttpServer(const NetworkSettings& settings, const StaticFiles& files,
@@ -232,6 +279,11 @@ void HttpServer::run(Signals signals) {
     threads.emplace_back([&state] { state.context.run(); });
   }
   state.context.run();
+}
+
+void HttpServer::drain() {
+  net::post(state_->acceptor.get_executor(),
+            [state = state_.get()] { state->begin_drain(state->settings.drain_notice); });
 }
 
 void HttpServer::stop() {

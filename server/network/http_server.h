@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/access/signing_keys.h"
+#include "server/metrics/server_metrics.h"
 #include "server/network/static_files.h"
 #include "server/session/session_registry.h"
 
@@ -21,7 +22,9 @@ struct NetworkSettings {
   std::size_t most_connections = 128;
   std::chrono::seconds handshake_timeout{10};  // for one HTTP request, or the WebSocket's handshake
   std::chrono::seconds idle_timeout{30};       // a silent peer is pinged at half of it
-  std::chrono::milliseconds stop_deadline{2000};  // for closing handshakes
+  std::chrono::milliseconds drain_notice{500};      // /readyz says so, before the port is closed
+  std::chrono::milliseconds finish_deadline{1500};  // for the last frames, notice included
+  std::chrono::milliseconds stop_deadline{2000};    // for closing handshakes
   /// Of the tokens that clients must show; null: everyone is an owner.
   std::shared_ptr<const SigningKeys> keys{};
   std::vector<std::string> host_names{};  // besides addresses and localhost: access/host_policy.h
@@ -29,10 +32,14 @@ struct NetworkSettings {
   /// Unset: no bound of its own on loopback, where a proxy has one address for all, else 16.
   std::optional<std::size_t> most_connections_per_address{};
   double messages_per_second = 1000;  // of one client: access/edit_allowance.h
+  std::shared_ptr<ServerMetrics> metrics = unread_metrics();
 };
 
-/// HTTP and WebSocket on one port: the page, /healthz, /readyz, /api/scenes, /api/curves and
-/// /sessions/{name}/stream. Its threads read, write and hand over, and never compute.
+/// Throws what HttpServer would, but for an address that is taken: nothing is opened.
+void check_network(const NetworkSettings& settings);
+
+/// HTTP and WebSocket on one port: the page, /healthz, /readyz, /metrics, /api/scenes, /api/curves
+/// and /sessions/{name}/stream. Its threads read, write and hand over, and never compute.
 class HttpServer {
  public:
   /// Binds and listens. Throws Error naming the address: beyond loopback without keys, or busy;
@@ -46,11 +53,16 @@ class HttpServer {
   /// "http://127.0.0.1:8080", with the port that it really has.
   std::string address() const;
 
-  /// Serves until stop(), or SIGINT or SIGTERM when asked to watch them. Stops accepting, closes
-  /// every socket politely (WebSocket: going away), and after the deadline hard.
+  /// Serves until stop(), or drains at SIGINT or SIGTERM when asked to watch them; at the second of
+  /// these it ends at once.
   enum class Signals { watch, leave_alone };
   void run(Signals signals);
-  /// Any thread; at once. run() returns soon after.
+  /// Takes no new session and no edit, and says so at /readyz, while what was edited last is shown
+  /// exactly to those who wait for it, until the deadline or the end of the notice, whichever is
+  /// later; then stop(). Any thread; at once.
+  void drain();
+  /// Stops accepting, closes every socket politely (WebSocket: going away), and after the deadline
+  /// hard. Any thread; at once. run() returns soon after.
   void stop();
 
  private:

@@ -12,9 +12,11 @@
 #include <optional>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "core/base/error.h"
-#include "server/network/request_checks.h"
+#include "server/log/event_log.h"
+#include "server/network/readiness.h"
 
 namespace rimlight::server {
 namespace {
@@ -53,12 +55,6 @@ Response plain(const Request& request, http::status status, std::string_view tex
                        std::string(text) + "\n");
 }
 
-Response try_later(const Request& request, std::string_view reason) {
-  Response response = plain(request, http::status::service_unavailable, reason);
-  response.set(http::field::retry_after, "5");
-  return response;
-}
-
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
 Response serve_file(const Request& request, const StaticFiles::File& file) {
@@ -89,19 +85,18 @@ bool is_malformed(const beast::error_code& error) {
          error != http::error::end_of_stream && error != http::error::partial_message;
 }
 
-/// Neither what is wrong with a token nor whether a session exists is a stranger's business.
-Response refuse(const Request& request, const Refusal& refusal) {
-  Response response = plain(request, refusal.status, refusal.reason);
-  if (refusal.status == http::status::unauthorized) {
-    response.set(http::field::www_authenticate, "Bearer");
-  }
-  return response;
-}
-
 }  // namespace
 
-HttpSession::HttpSession(beast::tcp_stream stream, const Site& site)
-    : site_(site), stream_(std::move(stream)), strand_(stream_.get_executor()) {}
+HttpSession::HttpSession(beast::tcp_stream stream, const Site& site, std::int64_t id)
+    : site_(site),
+      id_(id),
+      metrics_(site.settings.metrics),
+      stream_(std::move(stream)),
+      strand_(stream_.get_executor()) {
+  metrics_->socket_opened();
+}
+
+HttpSession::~HttpSession() { metrics_->socket_closed(); }
 
 net::awaitable<void> HttpSession::run() {
   beast::flat_buffer buffer(kLargestHeader);
@@ -114,7 +109,8 @@ net::awaitable<void> HttpSession::run() {
       if (is_malformed(error)) {
         Request malformed;
         malformed.keep_alive(false);
-        co_await answer(stream_, plain(malformed, http::status::bad_request, error.message()));
+        const Refusal refusal{http::status::bad_request, error.message(), RefusalReason::malformed};
+        co_await answer(stream_, refuse(malformed, refusal));
       }
       break;
     }
@@ -152,6 +148,9 @@ net::awaitable<void> HttpSession::upgrade(Request request) {
   std::variant<Access, Refusal> admitted;
   if (const auto fault = origin_fault(request, site_.hosts)) {
     refusal = refuse(request, *fault);
+  } else if (site_.stopping) {
+    refusal = refuse(request, {http::status::service_unavailable,
+                               "the server is stopping; try again later", RefusalReason::stopping});
   } else {
     try {
       target = parse_stream_target(view(request.target()));
@@ -160,7 +159,7 @@ net::awaitable<void> HttpSession::upgrade(Request request) {
         refusal = refuse(request, *fault_of_token);
       }
     } catch (const Error& error) {
-      refusal = plain(request, http::status::not_found, error.what());
+      refusal = refuse(request, {http::status::not_found, error.what(), RefusalReason::not_found});
     }
   }
   if (refusal) {
@@ -172,58 +171,99 @@ net::awaitable<void> HttpSession::upgrade(Request request) {
 
 net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& target,
                                           const Access& access) {
-  connection_ = std::make_shared<Connection>(std::move(stream_), site_.settings, access);
+  connection_ = std::make_shared<Connection>(std::move(stream_), site_.settings, access, id_);
   std::shared_ptr<DesignSession> session;
-  Response refusal;
+  std::optional<Refusal> refusal;
   try {
     session = site_.sessions.join(target.session, target.scene, connection_, Clock::now());
-    refusal = try_later(request, "this server has no room for another session; try again later");
+    refusal = {http::status::service_unavailable,
+               "this server has no room for another session; try again later",
+               RefusalReason::too_many_sessions};
   } catch (const StoreError& error) {
-    refusal = try_later(request, error.what());
+    refusal = {http::status::service_unavailable, error.what(), RefusalReason::store, error.what()};
   } catch (const Error& error) {
-    refusal = plain(request, http::status::not_found, error.what());
+    refusal = {http::status::not_found, error.what(), RefusalReason::not_found, error.what()};
   }
   if (session) {
     co_await connection_->run(std::move(request), std::move(session));
   } else {
-    co_await answer(connection_->plain_stream(), std::move(refusal));
+    co_await answer(connection_->plain_stream(), refuse(request, *refusal));
   }
 }
 
 Response HttpSession::respond(const Request& request) const {
   if (refusing_) {
-    Response response = try_later(request, "too many connections; try again later");
+    Response response =
+        refuse(request, {http::status::service_unavailable, "too many connections; try again later",
+                         RefusalReason::too_many_sockets});
     response.keep_alive(false);
     return response;
   }
   const bool is_head = request.method() == http::verb::head;
   if (!is_head && request.method() != http::verb::get) {
-    Response response = plain(request, http::status::method_not_allowed, "GET and HEAD only");
+    Response response = refuse(
+        request, {http::status::method_not_allowed, "GET and HEAD only", RefusalReason::method});
     response.set(http::field::allow, "GET, HEAD");
     return response;
   }
   const std::string_view target = view(request.target());
   const std::size_t question = target.find('?');
   const std::string_view path = target.substr(0, question);
-  if (path.starts_with("/api/")) {
-    const auto admitted = admit(request, {}, {}, site_.settings.keys.get());
-    if (const auto* const fault = std::get_if<Refusal>(&admitted)) return refuse(request, *fault);
-  }
-  Response response;
-  if (path == "/healthz" || path == "/readyz") {
-    response = plain(request, http::status::ok, "ok");
-  } else if (path == "/api/scenes") {
-    response = json_body(request, http::status::ok, site_.sessions.scenes().to_json());
-  } else if (path == "/api/curves") {
-    response = serve_curves(request, site_.sessions.scenes(),
-                            question < target.size() ? target.substr(question + 1) : "");
-  } else if (const StaticFiles::File* const file = site_.files.find(path)) {
-    response = serve_file(request, *file);
-  } else {
-    response = plain(request, http::status::not_found, "nothing is here");
-  }
+  Response response =
+      respond_to(request, path, question < target.size() ? target.substr(question + 1) : "");
   if (is_head) response.body().clear();  // Content-Length stays
   return response;
+}
+
+Response HttpSession::respond_to(const Request& request, std::string_view path,
+                                 std::string_view query) const {
+  if (path.starts_with("/api/") || path == "/metrics") {
+    const auto admitted = path == "/metrics" ? admit_operator(request, site_.settings.keys.get())
+                                             : admit(request, {}, {}, site_.settings.keys.get());
+    if (const auto* const fault = std::get_if<Refusal>(&admitted)) return refuse(request, *fault);
+  }
+  if (path == "/healthz") return plain(request, http::status::ok, "ok");
+  if (path == "/readyz") return readiness(request);
+  if (path == "/metrics") {
+    metrics_->loaded(site_.sessions.render_load(Clock::now()));
+    return make_response(http::status::ok, request.version(), request.keep_alive(),
+                         "text/plain; version=0.0.4; charset=utf-8", metrics_->to_text());
+  }
+  if (path == "/api/scenes") {
+    return json_body(request, http::status::ok, site_.sessions.scenes().to_json());
+  }
+  if (path == "/api/curves") return serve_curves(request, site_.sessions.scenes(), query);
+  if (const StaticFiles::File* const file = site_.files.find(path)) {
+    return serve_file(request, *file);
+  }
+  return refuse(request, {http::status::not_found, "nothing is here", RefusalReason::not_found});
+}
+
+/// Counted and logged here, and nowhere else. Neither what is wrong with a token nor whether a
+/// session exists is a stranger's business; what a stranger sent is not in the log, since it may be
+/// a token in the wrong place.
+Response HttpSession::refuse(const Request& request, const Refusal& refusal) const {
+  metrics_->refused(refusal.why);
+  log_event(Severity::warning, "refused",
+            {{"connection", id_},
+             {"reason", to_string(refusal.why)},
+             {"status", static_cast<std::int64_t>(refusal.status)},
+             {"detail", refusal.detail}});
+  Response response = plain(request, refusal.status, refusal.reason);
+  if (refusal.status == http::status::unauthorized) {
+    response.set(http::field::www_authenticate, "Bearer");
+  } else if (refusal.status == http::status::service_unavailable) {
+    response.set(http::field::retry_after, "5");
+  }
+  return response;
+}
+
+Response HttpSession::readiness(const Request& request) const {
+  std::vector<std::string> reasons;
+  if (site_.stopping) reasons.emplace_back("the server is stopping");
+  if (auto trouble = site_.sessions.store_trouble()) reasons.push_back(std::move(*trouble));
+  const auto status = reasons.empty() ? http::status::ok : http::status::service_unavailable;
+  return json_body(request, status, write_readiness(reasons));
 }
 
 void HttpSession::stop() {

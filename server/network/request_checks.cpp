@@ -1,7 +1,5 @@
 #include "server/network/request_checks.h"
 
-#include <spdlog/spdlog.h>
-
 #include <boost/beast/core/string.hpp>
 #include <boost/beast/http/field.hpp>
 
@@ -29,12 +27,15 @@ std::string bearer_token(const EmptyRequest& request) {
 std::optional<Refusal> request_fault(const EmptyRequest& request, bool has_body,
                                      const HostPolicy& hosts) {
   if (request.count(http::field::host) != 1) {
-    return Refusal{http::status::bad_request, "exactly one Host header is needed"};
+    return Refusal{http::status::bad_request, "exactly one Host header is needed",
+                   RefusalReason::host};
   }
   if (!hosts.allows_host(view(request[http::field::host]))) {
-    return Refusal{http::status::misdirected_request, "this server has another name"};
+    return Refusal{http::status::misdirected_request, "this server has another name",
+                   RefusalReason::host};
   }
-  if (has_body) return Refusal{http::status::bad_request, "a body is not taken"};
+  if (has_body)
+    return Refusal{http::status::bad_request, "a body is not taken", RefusalReason::body};
   return std::nullopt;
 }
 
@@ -45,7 +46,8 @@ std::optional<Refusal> origin_fault(const EmptyRequest& request, const HostPolic
       hosts.allows_origin(view(request[http::field::origin]), view(request[http::field::host]))) {
     return std::nullopt;
   }
-  return Refusal{http::status::forbidden, "the page comes from another origin"};
+  return Refusal{http::status::forbidden, "the page comes from another origin",
+                 RefusalReason::origin};
 }
 
 std::variant<Access, Refusal> admit(const EmptyRequest& request, const std::string& token,
@@ -55,19 +57,32 @@ std::variant<Access, Refusal> admit(const EmptyRequest& request, const std::stri
   }
   const std::string shown =
       request.count(http::field::authorization) > 0 ? bearer_token(request) : token;
-  const Refusal unknown{http::status::unauthorized, "a valid access token is needed"};
-  if (shown.empty()) return unknown;
+  const auto unknown = [](const char* detail) {
+    return Refusal{http::status::unauthorized, "a valid access token is needed",
+                   RefusalReason::token, detail};
+  };
+  if (shown.empty()) return unknown("missing");
   auto checked = check_token(shown, *keys, WallClock::now());
   if (const auto* const fault = std::get_if<TokenFault>(&checked)) {
-    spdlog::info("refused a token: it is {}", to_string(*fault));
-    return unknown;
+    return unknown(to_string(*fault));
   }
   Access& access = std::get<Access>(checked);
   if (!session.empty() && !access.opens(session)) {
-    spdlog::info("refused a token: it is of another session");
-    return Refusal{http::status::forbidden, "the access token is not for this"};
+    return Refusal{http::status::forbidden, "the access token is not for this",
+                   RefusalReason::forbidden, "of another session"};
   }
   return std::move(access);
+}
+
+std::variant<Access, Refusal> admit_operator(const EmptyRequest& request, const SigningKeys* keys) {
+  auto admitted = admit(request, {}, {}, keys);
+  if (const auto* const access = std::get_if<Access>(&admitted)) {
+    if (access->role < Role::owner || access->session != Access::kAnySession) {
+      return Refusal{http::status::forbidden, "the access token is not for this",
+                     RefusalReason::forbidden, "not of an owner of all sessions"};
+    }
+  }
+  return admitted;
 }
 
 }  // namespace rimlight::server

@@ -12,6 +12,7 @@
 
 #include "server/access/access_token.h"
 #include "server/access/host_policy.h"
+#include "server/metrics/outcomes.h"
 
 namespace rimlight::server {
 
@@ -20,7 +21,9 @@ using EmptyRequest = boost::beast::http::request<boost::beast::http::empty_body>
 /// Why a request is not answered, in words that tell a stranger nothing.
 struct Refusal {
   boost::beast::http::status status;
-  const char* reason;
+  std::string reason;
+  RefusalReason why;
+  std::string detail = {};  // for the log: what a stranger is not told
 };
 
 /// What is wrong with a request whatever it asks for, known from its header alone: no Host or more
@@ -33,9 +36,12 @@ std::optional<Refusal> origin_fault(const EmptyRequest& request, const HostPolic
 
 /// What the request may do: an owner's everything when `keys` is null; else what its token says, of
 /// `Authorization: Bearer` or else `token`, of the query. 401 for a token that is missing or not
-/// believed, 403 for one of another session than `session`, when that is not empty. Logs why, never
-/// a token.
+/// believed, 403 for one of another session than `session`, when that is not empty.
 std::variant<Access, Refusal> admit(const EmptyRequest& request, const std::string& token,
                                     std::string_view session, const SigningKeys* keys);
+
+/// Who may read what the server says of itself as a whole: as admit(), and 403 for any but an owner
+/// of all sessions.
+std::variant<Access, Refusal> admit_operator(const EmptyRequest& request, const SigningKeys* keys);
 
 }  // namespace rimlight::server

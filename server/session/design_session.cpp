@@ -24,7 +24,7 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
       materials_(known_materials(scene)),
       settings_(settings),
       queue_(queue),
-      maker_(scene, settings.jpeg_quality, queue) {
+      maker_(scene, settings.jpeg_quality, queue, settings.metrics) {
   if (kept.store != nullptr) waiting_.emplace(*kept.store, scene.name, name_, kept.revision);
   state_ = kept.state;
   if (kept.revision.number == 0) state_.environment = scene.environments.front();
@@ -33,7 +33,10 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
   newest_revision_ = revision_.number;
   idle_since_ = queue.now();
   last_edit_ = *idle_since_ - settings.quiet;  // the first frame need not wait for quiet
+  settings_.metrics->session_opened();
 }
+
+DesignSession::~DesignSession() { settings_.metrics->session_closed(); }
 
 // Messages are handed over under the mutex, so that every client sees revisions in order; the calls
 // only post to the client's strand.
@@ -58,6 +61,7 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
 void DesignSession::leave(const Client& client, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   viewers_.leave(client);
+  if (viewers_.empty()) ages_.forget();
   if (viewers_.empty() && (!waiting_ || waiting_->empty())) idle_since_ = now;
   reschedule(now);
 }
@@ -69,31 +73,37 @@ void DesignSession::apply(const Client& client, const Edit& edit, Clock::time_po
   if (waiting_) {
     const std::string author = "client " + std::to_string(viewer == nullptr ? 0 : viewer->number);
     waiting_->add(edit, sender, author, state_, revision_,
-                  [self = shared_from_this()](const std::optional<StoreError>& refusal) {
-                    self->settle(refusal);
+                  [self = shared_from_this(), now](const std::optional<StoreError>& refusal) {
+                    self->settle(refusal, now);
                   });
     return;
   }
   WaitingEdit applied{sender, edit.id, {revision_.epoch, revision_.number + 1}, state_};
   apply_edit(edit, applied.state);
-  show(applied, now);
+  show(applied, now, now);
 }
 
-void DesignSession::settle(const std::optional<StoreError>& refusal) {
+void DesignSession::settle(const std::optional<StoreError>& refusal, Clock::time_point arrived) {
   const std::lock_guard lock(mutex_);
   const auto outcome = refusal ? WaitingEdits::Outcome::refused : WaitingEdits::Outcome::durable;
   const WaitingEdit edit = waiting_->take(outcome);
   const Clock::time_point now = queue_.now();
   if (viewers_.empty() && waiting_->empty()) idle_since_ = now;
   if (!refusal) {
-    show(edit, now);
-  } else if (const auto client = edit.client.lock()) {
+    show(edit, arrived, now);
+    return;
+  }
+  settings_.metrics->edit_refused();
+  if (const auto client = edit.client.lock()) {
     const auto id = edit.id.empty() ? std::nullopt : std::optional(edit.id);
     client->send_answer(write_error(*refusal, id));
   }
 }
 
-void DesignSession::show(const WaitingEdit& edit, Clock::time_point now) {
+void DesignSession::show(const WaitingEdit& edit, Clock::time_point arrived,
+                         Clock::time_point now) {
+  settings_.metrics->edit_applied();
+  if (!viewers_.empty()) ages_.edited(arrived);
   state_ = edit.state;
   revision_ = edit.revision;
   newest_revision_.store(revision_.number, std::memory_order_relaxed);
@@ -120,6 +130,12 @@ AckResult DesignSession::acknowledge(const Client& client, std::int64_t frame,
 std::optional<Clock::time_point> DesignSession::idle_since() const {
   const std::lock_guard lock(mutex_);
   return idle_since_;
+}
+
+bool DesignSession::settled() const {
+  const std::lock_guard lock(mutex_);
+  if (waiting_ && !waiting_->empty()) return false;
+  return viewers_.empty() || (exact_revision_ == revision_.number && viewers_.all_ready());
 }
 
 void DesignSession::close() {
@@ -160,6 +176,7 @@ DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
   if (moving_since_) {
     task.kind = Work::moving;
     task.frame.queue_ms = milliseconds(now - *std::exchange(moving_since_, std::nullopt));
+    task.frame.edit = ages_.begin(ServerMetrics::FrameKind::moving);
     // Counted as shown already now: only edits that come during the work ask for another.
     moving_revision_ = revision_.number;
   } else if (unfinished_ == Unfinished::exact_frame) {
@@ -168,6 +185,7 @@ DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
     task.kind = Work::exact;
     task.frame.exact = true;
     task.frame.queue_ms = milliseconds(now - *std::exchange(exact_since_, std::nullopt));
+    task.frame.edit = ages_.begin(ServerMetrics::FrameKind::exact);
   } else if (unfinished_ != Unfinished::nothing) {
     task.kind = Work::improve;
   }
@@ -214,7 +232,13 @@ void DesignSession::make_frame(const FrameTask& task) {
   const std::lock_guard lock(mutex_);
   unfinished_ = unfinished;
   moving_revision_ = std::max(moving_revision_, task.revision.number);
+  if (task.edit) {
+    using Kind = ServerMetrics::FrameKind;
+    settings_.metrics->edit_shown(task.exact ? Kind::exact : Kind::moving,
+                                  queue_.now() - *task.edit);
+  }
   if (task.exact) {
+    if (revision_.number == task.revision.number) ages_.settled();
     exact_revision_ = task.revision.number;
     exact_frame_ = frame;
   }
@@ -222,6 +246,7 @@ void DesignSession::make_frame(const FrameTask& task) {
 }
 
 void DesignSession::fail(const FrameTask& task, const std::string& reason) {
+  settings_.metrics->frame_failed();
   const std::lock_guard lock(mutex_);
   // Not tried again until the next edit: it would fail again.
   moving_revision_ = std::max(moving_revision_, task.revision.number);

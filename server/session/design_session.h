@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/metrics/edit_ages.h"
 #include "server/protocol/messages.h"
 #include "server/schedule/render_queue.h"
 #include "server/session/client.h"
@@ -21,6 +22,7 @@ namespace rimlight::server {
 struct SessionSettings {
   std::chrono::milliseconds quiet{50};  // without an edit, before the exact frame
   int jpeg_quality = 80;
+  std::shared_ptr<ServerMetrics> metrics = unread_metrics();
 };
 
 /// Where edits of a session are kept, and what is there already.
@@ -43,6 +45,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   /// `scene` and `queue` must outlive it. Goes on from what is kept of it, in a new epoch.
   DesignSession(std::string name, const ServedScene& scene, std::int64_t epoch,
                 const SessionSettings& settings, RenderQueue& queue, const KeptSession& kept = {});
+  ~DesignSession() override;
 
   const std::string& name() const { return name_; }
   const ServedScene& scene() const { return scene_; }
@@ -61,6 +64,12 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
 
   /// Since when nobody has it open; nothing when somebody has, or an edit is not durable yet.
   std::optional<Clock::time_point> idle_since() const;
+  /// From now on clients' edits are not to be handed over: the last state is shown, and that is
+  /// all.
+  void finish() { finishing_.store(true); }
+  bool finishing() const { return finishing_.load(std::memory_order_relaxed); }
+  /// Whether every edit is answered, and all who watch have acknowledged the exact frame.
+  bool settled() const;
   /// No more work: a render that runs is abandoned where it can be.
   void close();
 
@@ -76,11 +85,11 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
 
   // All of these are called with the mutex held.
   void reschedule(Clock::time_point now);
-  void show(const WaitingEdit& edit, Clock::time_point now);
+  void show(const WaitingEdit& edit, Clock::time_point arrived, Clock::time_point now);
   Task begin_task(Clock::time_point now);
 
   /// What the store says of the oldest edit that waits.
-  void settle(const std::optional<StoreError>& refusal);
+  void settle(const std::optional<StoreError>& refusal, Clock::time_point arrived);
 
   // Called on the compute thread, without the mutex.
   void improve(const FrameTask& task);
@@ -102,6 +111,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   // Since when each kind of frame is wanted and could be made: the place in the fair queue.
   std::optional<Clock::time_point> moving_since_;
   std::optional<Clock::time_point> exact_since_;
+  EditAges ages_;
   Unfinished unfinished_ = Unfinished::nothing;  // of what the source showed last
   FramePtr exact_frame_;
   Viewers viewers_;
@@ -110,6 +120,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
 
   std::atomic<std::int64_t> newest_revision_{0};  // revision_.number, to be asked between tiles
   std::atomic<bool> closed_{false};
+  std::atomic<bool> finishing_{false};
 
   FrameMaker maker_;  // the compute thread's own
 };

@@ -37,6 +37,7 @@ FramePtr FrameMaker::encode(const FrameTask& task, const FrameReport& report) {
   header.update_ms = report.update_ms;
   header.display_ms = report.display_ms;
   header.encode_ms = std::chrono::duration<double, std::milli>(queue_.now() - start).count();
+  metrics_->frame_made(header);
   return write_frame_message(header, payload_);
 }
 

@@ -3,9 +3,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/image/codec.h"
+#include "server/metrics/server_metrics.h"
 #include "server/protocol/frame_message.h"
 #include "server/schedule/render_queue.h"
 #include "server/session/scene_catalog.h"
@@ -17,7 +20,8 @@ struct FrameTask {
   DesignState state;
   Revision revision;
   bool exact = false;
-  double queue_ms = 0;  // from when it was wanted
+  double queue_ms = 0;                         // from when it was wanted
+  std::optional<Clock::time_point> edit = {};  // since when its latency counts: EditAges
 };
 
 /// Draws a session's frames and encodes them, each once for all clients. The compute thread's own:
@@ -25,8 +29,9 @@ struct FrameTask {
 class FrameMaker {
  public:
   /// `scene` and `queue`, which tells the time, must outlive it.
-  FrameMaker(const ServedScene& scene, int jpeg_quality, const RenderQueue& queue)
-      : scene_(scene), jpeg_quality_(jpeg_quality), queue_(queue) {}
+  FrameMaker(const ServedScene& scene, int jpeg_quality, const RenderQueue& queue,
+             std::shared_ptr<ServerMetrics> metrics = unread_metrics())
+      : scene_(scene), jpeg_quality_(jpeg_quality), queue_(queue), metrics_(std::move(metrics)) {}
 
   struct Made {
     FramePtr frame;  // null: abandoned
@@ -43,6 +48,7 @@ class FrameMaker {
   const ServedScene& scene_;
   const int jpeg_quality_;
   const RenderQueue& queue_;
+  const std::shared_ptr<ServerMetrics> metrics_;
   std::unique_ptr<FrameSource> source_;
   Rgb8Image image_;
   JpegEncoder jpeg_;

@@ -36,10 +36,17 @@ std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
     const KeptSession kept = load(*served, name);
     auto session = std::make_shared<DesignSession>(name, *served, next_epoch(kept.revision.epoch),
                                                    settings_.session, queue_, kept);
+    if (finishing_) session->finish();
     found = sessions_.emplace(key, std::move(session)).first;
   }
   found->second->join(client, now);
   return found->second;
+}
+
+ServerMetrics::Load SessionRegistry::render_load(Clock::time_point now) const {
+  const Overload& overload = queue_.overload();
+  return {static_cast<int>(overload.stage(now)), overload.budget_share(now),
+          overload.mean_lateness_ms() / 1000};
 }
 
 void SessionRegistry::drop_idle(Clock::time_point now) {
@@ -50,6 +57,18 @@ void SessionRegistry::drop_idle(Clock::time_point now) {
   });
 }
 
+void SessionRegistry::finish() {
+  const std::lock_guard lock(mutex_);
+  finishing_ = true;
+  for (const auto& [key, session] : sessions_) session->finish();
+}
+
+bool SessionRegistry::finished() const {
+  const std::lock_guard lock(mutex_);
+  return std::all_of(sessions_.begin(), sessions_.end(),
+                     [](const auto& entry) { return entry.second->settled(); });
+}
+
 void SessionRegistry::close_all() {
   const std::lock_guard lock(mutex_);
   for (const auto& [key, session] : sessions_) session->close();
@@ -58,6 +77,10 @@ void SessionRegistry::close_all() {
 std::size_t SessionRegistry::size() const {
   const std::lock_guard lock(mutex_);
   return sessions_.size();
+}
+
+std::optional<std::string> SessionRegistry::store_trouble() const {
+  return store_ == nullptr ? std::nullopt : store_->trouble();
 }
 
 /// Drops the session that has been idle longest; false when all are in use.

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "server/session/design_session.h"
@@ -29,18 +30,26 @@ class SessionRegistry {
   const SceneCatalog& scenes() const { return scenes_; }
 
   /// Finds or creates the session and lets the client join it. Null when all places are taken by
-  /// sessions in use: a refusal that a client may retry. Throws StoreError when the store cannot
-  /// be read, which it may retry too, and Error for an unknown scene, or a session that the scene
-  /// cannot show any more.
+  /// sessions in use, or Overload lets no new ones in: a refusal that a client may retry. Throws
+  /// StoreError when the store cannot be read, which it may retry too, and Error for an unknown
+  /// scene, or a session that the scene cannot show any more.
   [[nodiscard]] std::shared_ptr<DesignSession> join(const std::string& name,
                                                     const std::string& scene,
                                                     const std::shared_ptr<Client>& client,
                                                     Clock::time_point now);
   /// Forgets sessions that have been idle for too long.
   void drop_idle(Clock::time_point now);
+  /// Sessions take no more edits, later ones too: DesignSession::finish().
+  void finish();
+  /// Whether all are settled.
+  bool finished() const;
   /// Ends all work; sessions stay readable until they are dropped.
   void close_all();
   std::size_t size() const;
+  /// How far the compute thread is behind now.
+  ServerMetrics::Load render_load(Clock::time_point now) const;
+  /// Why edits are not likely to be kept now: SessionStore::trouble().
+  std::optional<std::string> store_trouble() const;
 
  private:
   using Key = std::pair<std::string, std::string>;  // scene, session
@@ -56,6 +65,7 @@ class SessionRegistry {
   mutable std::mutex mutex_;
   std::map<Key, std::shared_ptr<DesignSession>> sessions_;
   std::int64_t last_epoch_ = 0;
+  bool finishing_ = false;
 };
 
 }  // namespace rimlight::server

@@ -29,6 +29,11 @@ bool Viewers::any_ready() const {
                      [](const Viewer& viewer) { return viewer.in_flight == kNone; });
 }
 
+bool Viewers::all_ready() const {
+  return std::all_of(viewers_.begin(), viewers_.end(),
+                     [](const Viewer& viewer) { return viewer.in_flight == kNone; });
+}
+
 void Viewers::offer(const FramePtr& frame) {
   for (Viewer& viewer : viewers_) offer(viewer, frame);
 }

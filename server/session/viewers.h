@@ -34,6 +34,8 @@ class Viewers {
   const Viewer* find(const Client& client) const;
   /// Whether one could be sent a frame at once.
   bool any_ready() const;
+  /// Whether nothing that was sent is unacknowledged, and nothing waits.
+  bool all_ready() const;
 
   void offer(const FramePtr& frame);
   /// To one alone.

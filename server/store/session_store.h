@@ -53,6 +53,9 @@ class SessionStore {
   virtual void append(StoredEdit edit, Answer answer) = 0;
   /// Waits until all that were taken have been answered; false after `most`.
   [[nodiscard]] virtual bool drain(std::chrono::milliseconds most) = 0;
+  /// Why new edits are not likely to be kept now, in words that tell a stranger nothing; nothing
+  /// when they are. Does not wait for the disk.
+  virtual std::optional<std::string> trouble() const { return std::nullopt; }
 };
 
 }  // namespace rimlight::server

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
+#include "server/metrics/server_metrics.h"
 #include "server/store/session_store.h"
 #include "server/store/sqlite_database.h"
 
@@ -17,6 +19,7 @@ struct SqliteStoreSettings {
   std::int64_t kept_edits = 1000;  // of each session's log, and up to 64 more
   std::int64_t most_pages = 0;     // of 4 KiB, of the file; 0: as the disk has
   std::string vfs = {};            // SQLite's own way to the disk without one
+  std::shared_ptr<ServerMetrics> metrics = unread_metrics();
 };
 
 /// The tables of a store, in one SQLite file that one server has open at a time (WAL,

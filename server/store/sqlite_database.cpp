@@ -31,6 +31,8 @@ std::string expected_instead(int code) {
 
 bool SqliteError::is_full() const noexcept { return (code_ & 0xff) == SQLITE_FULL; }
 
+bool SqliteError::is_in_use() const noexcept { return (code_ & 0xff) == SQLITE_BUSY; }
+
 SqliteDatabase::SqliteDatabase(const std::filesystem::path& file, const std::string& vfs)
     : file_(file.string()) {
   const int flags =

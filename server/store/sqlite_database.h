@@ -20,6 +20,8 @@ class SqliteError final : public StoreError {
   int code() const noexcept { return code_; }
   /// Whether the disk, or the size that the store may have, is used up.
   bool is_full() const noexcept;
+  /// Whether another process has the file open.
+  bool is_in_use() const noexcept;
 
  private:
   int code_;

@@ -9,6 +9,8 @@ namespace {
 
 /// Between attempts at a disk that did not take a commit.
 constexpr std::chrono::milliseconds kRetry{50};
+/// A commit that takes longer is trouble, and so is one that failed less than this ago.
+constexpr std::chrono::seconds kTrouble{5};
 
 std::size_t bytes_of(const StoredEdit& edit) {
   return sizeof edit + edit.state.size() + edit.change.size();
@@ -20,6 +22,7 @@ SqliteStore::SqliteStore(const SqliteStoreSettings& settings)
     : most_waiting_(settings.most_waiting),
       most_waiting_bytes_(settings.most_waiting_bytes),
       file_(settings.file.string()),
+      metrics_(settings.metrics),
       tables_(settings),
       writer_([this](const std::stop_token& stop) { run(stop); }) {}
 
@@ -43,9 +46,10 @@ void SqliteStore::append(StoredEdit edit, Answer answer) {
       throw StoreError(file_, std::to_string(waiting_) + " edits that wait for the disk",
                        "fewer: send it again later");
     }
-    queue_.push_back({std::move(edit), std::move(answer), bytes});
+    queue_.push_back({std::move(edit), std::move(answer), bytes, Clock::now(), std::nullopt});
     ++waiting_;
     waiting_bytes_ += bytes;
+    metrics_->edits_waiting(waiting_, waiting_bytes_);
   }
   changed_.notify_all();
 }
@@ -68,8 +72,11 @@ void SqliteStore::run(const std::stop_token& stop) {
       changed_.wait(lock, stop, [this] { return !queue_.empty(); });
       if (queue_.empty()) return;  // only when stopped
       batch.swap(queue_);
+      committing_since_ = Clock::now();
     }
+    const Clock::time_point began = Clock::now();
     const Commit result = write(batch);
+    count(batch, result, began);
     if (result != Commit::in_doubt || resolve_doubt(stop)) answer(batch);
     forget(batch);
   }
@@ -103,6 +110,29 @@ SqliteStore::Commit SqliteStore::write(Batch& batch) {
   return Commit::kept;
 }
 
+/// Of the commit that began then and has ended now.
+void SqliteStore::count(const Batch& batch, Commit result, Clock::time_point began) {
+  const Clock::time_point now = Clock::now();
+  if (result == Commit::kept) {
+    metrics_->committed(now - began, now - batch.front().came);
+  } else {
+    metrics_->commit_failed();
+  }
+  const std::lock_guard lock(mutex_);
+  committing_since_.reset();
+  failed_ = result == Commit::kept ? std::nullopt : std::optional(now);
+}
+
+std::optional<std::string> SqliteStore::trouble() const {
+  const std::lock_guard lock(mutex_);
+  const Clock::time_point now = Clock::now();
+  if (doubt_ || (committing_since_ && now - *committing_since_ > kTrouble)) {
+    return "the store does not answer";
+  }
+  if (failed_ && now - *failed_ < kTrouble) return "edits are not stored";
+  return std::nullopt;
+}
+
 /// Until the failed commit cannot be found by a restart; false when stopped before.
 bool SqliteStore::resolve_doubt(const std::stop_token& stop) {
   for (;;) {
@@ -131,6 +161,7 @@ void SqliteStore::forget(const Batch& batch) {
     const std::lock_guard lock(mutex_);
     waiting_ -= batch.size();
     for (const Waiting& waiting : batch) waiting_bytes_ -= waiting.bytes;
+    metrics_->edits_waiting(waiting_, waiting_bytes_);
   }
   changed_.notify_all();
 }

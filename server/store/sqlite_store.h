@@ -1,8 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -30,15 +32,19 @@ class SqliteStore final : public SessionStore {
   std::optional<StoredSession> load(const std::string& scene, const std::string& session) override;
   void append(StoredEdit edit, Answer answer) override;
   [[nodiscard]] bool drain(std::chrono::milliseconds most) override;
+  /// The last commit failed, a few seconds ago at most; or one takes seconds.
+  std::optional<std::string> trouble() const override;
 
   /// How many commits have kept edits.
   std::int64_t commits() const;
 
  private:
+  using Clock = std::chrono::steady_clock;
   struct Waiting {
     StoredEdit edit;
     Answer answer;
     std::size_t bytes = 0;
+    Clock::time_point came = Clock::now();
     std::optional<StoreError> refusal = {};
   };
   using Batch = std::deque<Waiting>;
@@ -47,11 +53,13 @@ class SqliteStore final : public SessionStore {
   void run(const std::stop_token& stop);
   Commit write(Batch& batch);
   bool resolve_doubt(const std::stop_token& stop);
+  void count(const Batch& batch, Commit result, Clock::time_point began);
   void answer(const Batch& batch);
   void forget(const Batch& batch);
 
   const std::size_t most_waiting_, most_waiting_bytes_;
   const std::string file_;
+  const std::shared_ptr<ServerMetrics> metrics_;
   std::mutex tables_mutex_;  // before the other one, where both are held
   SessionTables tables_;
   bool failing_ = false;  // the last commit failed
@@ -61,6 +69,7 @@ class SqliteStore final : public SessionStore {
   Batch queue_;
   std::size_t waiting_ = 0, waiting_bytes_ = 0;  // queued and in the commit in progress
   std::int64_t commits_ = 0;
+  std::optional<Clock::time_point> committing_since_, failed_;
   std::optional<StoreError> doubt_;  // why the disk does not answer
   std::jthread writer_;
 };

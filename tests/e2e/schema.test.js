@@ -54,8 +54,8 @@ test('the example configurations and load scripts fit', () => {
 });
 
 /** Holds a schema of docs/formats to a folder of good and bad examples. */
-function checkExamples(schema, folder) {
-  const validate = compile(readSchema(resolve(root, 'docs/formats', schema)));
+function checkExamples(schema, folder, schemas = 'docs/formats') {
+  const validate = compile(readSchema(resolve(root, schemas, schema)));
   for (const [kind, expected] of [['good', true], ['bad', false], ['bad_beyond_schema', true]]) {
     const files = readdirSync(resolve(root, folder, kind)).filter((name) => name.endsWith('.json'));
     assert.ok(files.length > 0, kind);
@@ -66,6 +66,10 @@ function checkExamples(schema, folder) {
   }
   return validate;
 }
+
+test('the schema of configurations takes the good examples and refuses the bad', () => {
+  checkExamples('server_config.schema.json', 'tests/cli/configurations', 'docs/protocol');
+});
 
 test('the scene schema takes the good examples and refuses the bad', () => {
   checkExamples('scene.schema.json', 'tests/core/scene/examples');

@@ -20,9 +20,10 @@ const std::filesystem::path& with_page(const std::filesystem::path& folder) {
   return folder;
 }
 
-std::unique_ptr<SessionStore> store_of(const std::filesystem::path& file) {
-  if (file.empty()) return nullptr;
-  return std::make_unique<SqliteStore>(SqliteStoreSettings{.file = file});
+std::unique_ptr<SessionStore> store_of(const LoopbackServer::Settings& settings) {
+  if (settings.store.empty()) return nullptr;
+  return std::make_unique<SqliteStore>(SqliteStoreSettings{
+      .file = settings.store, .vfs = settings.store_vfs, .metrics = settings.network.metrics});
 }
 
 }  // namespace
@@ -31,7 +32,8 @@ LoopbackServer::LoopbackServer(const Settings& settings)
     : scenes_({sphere_scene("sphere", settings.width, settings.height, probe_),
                curve_sphere_scene("curves", 16)}),
       files_(with_page(web_.path())),
-      store_(store_of(settings.store)),
+      queue_(Clock::now, settings.overload),
+      store_(store_of(settings)),
       sessions_(scenes_, queue_, settings.sessions, store_.get()),
       http_(settings.network, files_, sessions_),
       compute_([this](const std::stop_token& stop) { queue_.run(stop); }),

@@ -22,7 +22,9 @@ class LoopbackServer {
     int height = 48;
     NetworkSettings network{.port = 0};
     RegistrySettings sessions;
+    Overload::Settings overload;
     std::filesystem::path store;  // of sessions; without one they live in memory
+    std::string store_vfs;        // SqliteStoreSettings::vfs
   };
   explicit LoopbackServer(const Settings& settings);
   LoopbackServer() : LoopbackServer(Settings{}) {}

@@ -10,6 +10,7 @@
 #include "server/schedule/render_queue.h"
 #include "server/session/session_registry.h"
 #include "tests/server/design_session_case.h"
+#include "tests/server/loopback_server.h"
 
 namespace rimlight::server {
 namespace {
@@ -170,6 +171,28 @@ TEST(SessionRegistry, OpensNoSessionUnderOverloadButLetsPeopleJoin) {
   EXPECT_EQ(registry.join("one", "", client, now), session);
   now += seconds(3);
   EXPECT_NE(registry.join("two", "", client, now), nullptr);
+}
+
+TEST(OverloadStream, NewSessionsGet503WithATimeToTryAgain) {
+  test::LoopbackServer::Settings settings;
+  settings.overload.refusing = milliseconds(0);
+  test::LoopbackServer server(settings);
+  const auto stream = server.open("one");
+  // The first exact frame is a job that the queue has begun.
+  while (
+      !std::holds_alternative<StreamClient::Binary>(stream->receive(Clock::now() + seconds(5)))) {
+  }
+  test::RawSocket socket(server.port());
+  socket.send(
+      "GET /sessions/two/stream HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(server.port()) +
+      "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+      "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n");
+  const std::string refused = socket.read_some();
+  EXPECT_TRUE(refused.starts_with("HTTP/1.1 503 ")) << refused;
+  EXPECT_NE(refused.find("Retry-After: 5\r\n"), std::string::npos) << refused;
+  EXPECT_NE(test::http(server.port(), "GET", "/metrics").find("\nrimlight_overload_stage 2\n"),
+            std::string::npos);
+  EXPECT_NO_THROW(server.open("one"));
 }
 
 }  // namespace

@@ -32,8 +32,12 @@ std::string temporary_file() {
 }  // namespace
 
 RunningProgram::RunningProgram(const std::vector<std::string>& arguments)
+    : RunningProgram(RIMLIGHT_PROGRAM, arguments) {}
+
+RunningProgram::RunningProgram(const std::string& program,
+                               const std::vector<std::string>& arguments)
     : output_file_(temporary_file()), error_file_(temporary_file()) {
-  std::vector<std::string> all = {RIMLIGHT_PROGRAM};
+  std::vector<std::string> all = {program};
   all.insert(all.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (std::string& argument : all) pointers.push_back(argument.data());
@@ -43,9 +47,9 @@ RunningProgram::RunningProgram(const std::vector<std::string>& arguments)
   ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, output_file_.c_str(), O_WRONLY, 0);
   ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, error_file_.c_str(), O_WRONLY, 0);
   const int error =
-      ::posix_spawn(&process_, RIMLIGHT_PROGRAM, &actions, nullptr, pointers.data(), environ);
+      ::posix_spawnp(&process_, program.c_str(), &actions, nullptr, pointers.data(), environ);
   ::posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw std::runtime_error("cannot start " RIMLIGHT_PROGRAM);
+  if (error != 0) throw std::runtime_error("cannot start " + program);
 }
 
 RunningProgram::~RunningProgram() {
@@ -66,6 +70,12 @@ bool RunningProgram::is_running() {
 }
 
 std::string RunningProgram::output() const { return read_file(output_file_, kMostOutput); }
+
+std::string RunningProgram::errors() const { return read_file(error_file_, kMostOutput); }
+
+void RunningProgram::terminate() {
+  if (process_ >= 0) ::kill(process_, SIGTERM);
+}
 
 void RunningProgram::kill() {
   if (process_ >= 0) ::kill(process_, SIGKILL);

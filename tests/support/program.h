@@ -21,6 +21,8 @@ ProgramResult run_program(const std::vector<std::string>& arguments);
 class RunningProgram {
  public:
   explicit RunningProgram(const std::vector<std::string>& arguments);
+  /// Another program, by its path or its name on $PATH.
+  RunningProgram(const std::string& program, const std::vector<std::string>& arguments);
   RunningProgram(const RunningProgram&) = delete;
   RunningProgram& operator=(const RunningProgram&) = delete;
   ~RunningProgram();
@@ -28,8 +30,12 @@ class RunningProgram {
   bool is_running();
   /// What it has written to standard output so far.
   std::string output() const;
+  /// The same of standard error.
+  std::string errors() const;
   /// SIGKILL: nothing is cleaned up.
   void kill();
+  /// SIGTERM: it may clean up.
+  void terminate();
   ProgramResult wait();
 
  private:

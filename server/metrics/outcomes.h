@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+
+namespace rimlight::server {
+
+/// Why a request, a connection or a message was not taken: what metrics and logs call it. What else
+/// is said of it is in the log, for people.
+enum class RefusalReason {
+  malformed,          // no HTTP
+  host,               // no Host, more than one, or that of another server
+  body,               // where none is taken
+  method,             // other than GET and HEAD
+  not_found,          // no such path, scene or session
+  origin,             // a page of another origin
+  token,              // missing, or not believed
+  forbidden,          // a token for something else
+  too_many_sockets,   // connections in all
+  too_many_sessions,  // all in use
+  store,              // it cannot be read
+  stopping,           // the server is
+  rate,               // messages a second
+  message,            // one that cannot be read, or names what is not there
+};
+inline constexpr std::array kRefusalReasons = {RefusalReason::malformed,
+                                               RefusalReason::host,
+                                               RefusalReason::body,
+                                               RefusalReason::method,
+                                               RefusalReason::not_found,
+                                               RefusalReason::origin,
+                                               RefusalReason::token,
+                                               RefusalReason::forbidden,
+                                               RefusalReason::too_many_sockets,
+                                               RefusalReason::too_many_sessions,
+                                               RefusalReason::store,
+                                               RefusalReason::stopping,
+                                               RefusalReason::rate,
+                                               RefusalReason::message};
+const char* to_string(RefusalReason reason);
+
+/// How a WebSocket ended.
+enum class CloseReason {
+  client_closed,      // with the closing handshake
+  client_lost,        // without
+  handshake_failed,   // before the upgrade was done
+  silent,             // no answer to a ping
+  message_too_large,  // above the limit of bytes
+  too_many_messages,  // far above the rate
+  not_reading,        // too many replies wait
+  edits_unstored,     // its edits wait for the disk too long
+  token_expired,
+  server_stopped,
+};
+inline constexpr std::array kCloseReasons = {
+    CloseReason::client_closed, CloseReason::client_lost,       CloseReason::handshake_failed,
+    CloseReason::silent,        CloseReason::message_too_large, CloseReason::too_many_messages,
+    CloseReason::not_reading,   CloseReason::edits_unstored,    CloseReason::token_expired,
+    CloseReason::server_stopped};
+const char* to_string(CloseReason reason);
+
+}  // namespace rimlight::server
