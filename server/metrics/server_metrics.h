@@ -64,6 +64,8 @@ class ServerMetrics {
   };
   void serve(const Limits& limits);
   void stopping();
+  /// What Overload says now.
+  void overload(int stage, double budget_share, double lateness_ms);
 
   /// The body of /metrics: the text format, version 0.0.4. Reads what the process uses now.
   std::string to_text() const;

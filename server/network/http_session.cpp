@@ -177,7 +177,7 @@ net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& t
   try {
     session = site_.sessions.join(target.session, target.scene, connection_, Clock::now());
     refusal = {http::status::service_unavailable,
-               "all sessions of this server are in use; try again later",
+               "this server has no room for another session; try again later",
                RefusalReason::too_many_sessions};
   } catch (const StoreError& error) {
     refusal = {http::status::service_unavailable, error.what(), RefusalReason::store, error.what()};
@@ -225,6 +225,9 @@ Response HttpSession::respond_to(const Request& request, std::string_view path,
   if (path == "/healthz") return plain(request, http::status::ok, "ok");
   if (path == "/readyz") return readiness(request);
   if (path == "/metrics") {
+    const Overload& overload = site_.sessions.overload();
+    metrics_->overload(static_cast<int>(overload.stage(Clock::now())),
+                       overload.budget_share(Clock::now()), overload.mean_lateness_ms());
     return make_response(http::status::ok, request.version(), request.keep_alive(),
                          "text/plain; version=0.0.4; charset=utf-8", metrics_->to_text());
   }

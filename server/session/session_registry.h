@@ -46,6 +46,7 @@ class SessionRegistry {
   /// Ends all work; sessions stay readable until they are dropped.
   void close_all();
   std::size_t size() const;
+  const Overload& overload() const { return queue_.overload(); }
   /// Why edits are not likely to be kept now: SessionStore::trouble().
   std::optional<std::string> store_trouble() const;
 

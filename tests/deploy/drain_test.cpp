@@ -77,11 +77,11 @@ class Drain : public testing::Test {
   }
   /// The first line of the answer to an upgrade, and its Retry-After.
   static std::string upgrade(const ServedProgram& server) {
-    return test::exchange(server.port(),
-                          "GET /sessions/b/stream HTTP/1.1\r\nHost: localhost\r\n"
-                          "Connection: Upgrade\r\nUpgrade: websocket\r\n"
-                          "Sec-WebSocket-Version: 13\r\n"
-                          "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
+    return test::ask(server.port(),
+                     "GET /sessions/b/stream HTTP/1.1\r\nHost: localhost\r\n"
+                     "Connection: Upgrade\r\nUpgrade: websocket\r\n"
+                     "Sec-WebSocket-Version: 13\r\n"
+                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
   }
 
   test::TemporaryFolder folder;
