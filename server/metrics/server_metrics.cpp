@@ -156,12 +156,13 @@ struct ServerMetrics::State {
       make.gauge("rimlight_budget_bytes", "What a frame in motion may cost, where in bytes");
   Gauge* budget_seconds =
       make.gauge("rimlight_budget_seconds", "What a frame in motion may cost, where in time");
-  Gauge* stage = make.gauge("rimlight_overload_stage",
-                            "0: none; 1: smaller budgets; 2: no new sessions; 3: editors first");
+  Gauge* overload_stage =
+      make.gauge("rimlight_overload_stage",
+                 "0 none, 1 smaller budgets, 2 no new sessions, 3 editors before viewers");
   Gauge* budget_share =
-      make.gauge("rimlight_budget_share", "What frames in motion get of a time budget");
-  Gauge* lateness =
-      make.gauge("rimlight_lateness_seconds", "How late work begins, over the last half second");
+      make.gauge("rimlight_budget_share", "What part of its time budget a frame may take now");
+  Gauge* lateness = make.gauge("rimlight_lateness_seconds",
+                               "How late frames begin, mean of the last half second");
   Gauge* waiting =
       make.gauge("rimlight_store_waiting_edits", "Edits that wait for the disk or are being kept");
   Gauge* waiting_bytes = make.gauge("rimlight_store_waiting_bytes", "Bytes of these");
@@ -235,10 +236,10 @@ void ServerMetrics::serve(const Limits& limits) {
   state_->budget_seconds->Set(limits.budget_seconds);
 }
 
-void ServerMetrics::loaded(const Load& load) {
-  state_->stage->Set(load.stage);
-  state_->budget_share->Set(load.budget_share);
-  state_->lateness->Set(load.lateness_seconds);
+void ServerMetrics::overload(int stage, double budget_share, double lateness_ms) {
+  state_->overload_stage->Set(stage);
+  state_->budget_share->Set(budget_share);
+  state_->lateness->Set(lateness_ms * kMillisecond);
 }
 
 void ServerMetrics::stopping() { state_->is_stopping->Set(1); }

@@ -64,13 +64,8 @@ class ServerMetrics {
   };
   void serve(const Limits& limits);
   void stopping();
-  /// How far the compute thread is behind now (schedule/overload.h).
-  struct Load {
-    int stage = 0;  // 0 to 3
-    double budget_share = 1;
-    double lateness_seconds = 0;
-  };
-  void loaded(const Load& load);
+  /// What Overload says now.
+  void overload(int stage, double budget_share, double lateness_ms);
 
   /// The body of /metrics: the text format, version 0.0.4. Reads what the process uses now.
   std::string to_text() const;

@@ -225,7 +225,9 @@ Response HttpSession::respond_to(const Request& request, std::string_view path,
   if (path == "/healthz") return plain(request, http::status::ok, "ok");
   if (path == "/readyz") return readiness(request);
   if (path == "/metrics") {
-    metrics_->loaded(site_.sessions.render_load(Clock::now()));
+    const Overload& overload = site_.sessions.overload();
+    metrics_->overload(static_cast<int>(overload.stage(Clock::now())),
+                       overload.budget_share(Clock::now()), overload.mean_lateness_ms());
     return make_response(http::status::ok, request.version(), request.keep_alive(),
                          "text/plain; version=0.0.4; charset=utf-8", metrics_->to_text());
   }

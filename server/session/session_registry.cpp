@@ -43,12 +43,6 @@ std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
   return found->second;
 }
 
-ServerMetrics::Load SessionRegistry::render_load(Clock::time_point now) const {
-  const Overload& overload = queue_.overload();
-  return {static_cast<int>(overload.stage(now)), overload.budget_share(now),
-          overload.mean_lateness_ms() / 1000};
-}
-
 void SessionRegistry::drop_idle(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   std::erase_if(sessions_, [&](const auto& entry) {

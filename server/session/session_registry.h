@@ -30,9 +30,9 @@ class SessionRegistry {
   const SceneCatalog& scenes() const { return scenes_; }
 
   /// Finds or creates the session and lets the client join it. Null when all places are taken by
-  /// sessions in use, or Overload lets no new ones in: a refusal that a client may retry. Throws
-  /// StoreError when the store cannot be read, which it may retry too, and Error for an unknown
-  /// scene, or a session that the scene cannot show any more.
+  /// sessions in use: a refusal that a client may retry. Throws StoreError when the store cannot
+  /// be read, which it may retry too, and Error for an unknown scene, or a session that the scene
+  /// cannot show any more.
   [[nodiscard]] std::shared_ptr<DesignSession> join(const std::string& name,
                                                     const std::string& scene,
                                                     const std::shared_ptr<Client>& client,
@@ -46,8 +46,7 @@ class SessionRegistry {
   /// Ends all work; sessions stay readable until they are dropped.
   void close_all();
   std::size_t size() const;
-  /// How far the compute thread is behind now.
-  ServerMetrics::Load render_load(Clock::time_point now) const;
+  const Overload& overload() const { return queue_.overload(); }
   /// Why edits are not likely to be kept now: SessionStore::trouble().
   std::optional<std::string> store_trouble() const;
 

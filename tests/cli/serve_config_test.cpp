@@ -80,7 +80,7 @@ TEST(ServeSchema, HasTheBoundsAndWordsOfTheReader) {
       }
       EXPECT_NE(fault_of(field, "another"), "no error") << field.name;
     }
-    for (const json& other : {json(nullptr), json(true), json::object(), json(-1e400)}) {
+    for (const json& other : {json(nullptr), json(true), json::object(), json(-1e300)}) {
       EXPECT_NE(fault_of(field, other), "no error") << field.name << " " << other;
     }
   }

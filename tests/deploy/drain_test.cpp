@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 constexpr seconds kPatience{20};
 
 /// A client that edits as fast as it is answered, or only watches, until it is closed.
-struct Run {
+struct Seen {
   std::int64_t acknowledged = 0;  // the last revision
   std::int64_t exact = -1;        // the newest revision of an exact frame
   int refused = 0;
@@ -32,8 +32,8 @@ struct Run {
 
 enum class Habit { edits, watches };
 
-Run run(StreamClient& client, Habit habit) {
-  Run result;
+Seen run(StreamClient& client, Habit habit) {
+  Seen result;
   std::int64_t sent = 0;
   const auto edit = [&] {
     const json message{{"type", "edit"},
@@ -77,11 +77,11 @@ class Drain : public testing::Test {
   }
   /// The first line of the answer to an upgrade, and its Retry-After.
   static std::string upgrade(const ServedProgram& server) {
-    return test::exchange(server.port(),
-                          "GET /sessions/b/stream HTTP/1.1\r\nHost: localhost\r\n"
-                          "Connection: Upgrade\r\nUpgrade: websocket\r\n"
-                          "Sec-WebSocket-Version: 13\r\n"
-                          "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
+    return test::ask(server.port(),
+                     "GET /sessions/b/stream HTTP/1.1\r\nHost: localhost\r\n"
+                     "Connection: Upgrade\r\nUpgrade: websocket\r\n"
+                     "Sec-WebSocket-Version: 13\r\n"
+                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
   }
 
   test::TemporaryFolder folder;
@@ -90,7 +90,7 @@ class Drain : public testing::Test {
 TEST_F(Drain, LosesNoAcknowledgedEditShowsTheLastAndClosesAllInTime) {
   const auto server = start();
   const auto editor = open(*server), watcher = open(*server), sleeper = open(*server);
-  Run edited, watched;
+  Seen edited, watched;
   std::jthread editing([&] { edited = run(*editor, Habit::edits); });
   std::jthread watching([&] { watched = run(*watcher, Habit::watches); });
   std::this_thread::sleep_for(milliseconds(300));  // the sleeper never reads

@@ -21,7 +21,7 @@ namespace {
 using nlohmann::json;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-using test::exchange;
+using test::ask;
 using test::RunningProgram;
 using test::ServedProgram;
 using Clock = std::chrono::steady_clock;
@@ -121,18 +121,17 @@ class Proxies : public testing::TestWithParam<const char*> {
                                server::read_signing_keys(path("keys.json")), now);
   }
   std::string get(const std::string& target, const std::string& host = "design.example.com") const {
-    return exchange(
-        port, "GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");
+    return ask(port,
+               "GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");
   }
   /// The status of an upgrade with those headers.
   std::string upgrade(const std::string& target, const std::string& host,
                       const std::string& headers = "") const {
-    const std::string response =
-        exchange(port, "GET " + target + " HTTP/1.1\r\nHost: " + host +
-                           "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
-                           "Sec-WebSocket-Version: 13\r\n"
-                           "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
-                           headers + "\r\n");
+    const std::string response = ask(port, "GET " + target + " HTTP/1.1\r\nHost: " + host +
+                                               "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+                                               "Sec-WebSocket-Version: 13\r\n"
+                                               "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+                                               headers + "\r\n");
     return response.size() < 12 ? response : response.substr(9, 3);
   }
   std::unique_ptr<StreamClient> open(const std::string& session) const {

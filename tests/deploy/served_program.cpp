@@ -40,11 +40,11 @@ ServedProgram::ServedProgram(std::vector<std::string> arguments, std::uint16_t p
 }
 
 std::string ServedProgram::get(const std::string& target, const std::string& headers) const {
-  return exchange(port_, "GET " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" +
-                             headers + "\r\n");
+  return ask(port_, "GET " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" +
+                        headers + "\r\n");
 }
 
-std::string exchange(std::uint16_t port, const std::string& request) {
+std::string ask(std::uint16_t port, const std::string& request) {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   const timeval timeout{2, 0};
   ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);

@@ -29,7 +29,7 @@ class ServedProgram {
 
 /// A request to 127.0.0.1 and what comes back until the peer closes, or in part after two seconds;
 /// empty when nobody listens.
-std::string exchange(std::uint16_t port, const std::string& request);
+std::string ask(std::uint16_t port, const std::string& request);
 
 /// A port that nobody listens on just now.
 std::uint16_t free_port();

@@ -68,7 +68,7 @@ function checkExamples(schema, folder, schemas = 'docs/formats') {
 }
 
 test('the schema of configurations takes the good examples and refuses the bad', () => {
-  checkExamples('server_config.schema.json', 'tests/cli/configurations', 'docs/protocol');
+  checkExamples('server_config.schema.json', 'tests/cli/configurations', 'docs/protocol/schema');
 });
 
 test('the scene schema takes the good examples and refuses the bad', () => {

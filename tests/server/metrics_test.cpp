@@ -277,6 +277,8 @@ TEST_F(ServedMetrics, CountWhatAScriptOfClientsDoes) {
   }
   ASSERT_TRUE(is_exact);
   const MetricsText open = scrape(server);
+  EXPECT_EQ(open.at("rimlight_overload_stage"), 0);
+  EXPECT_EQ(open.at("rimlight_budget_share"), 1);
   EXPECT_EQ(open.at("rimlight_connections"), 1);
   EXPECT_EQ(open.at("rimlight_sockets"), 2);
   client->close();
