@@ -24,6 +24,7 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
       materials_(known_materials(scene)),
       settings_(settings),
       queue_(queue),
+      viewers_(scene.width, scene.height),
       maker_(scene, settings.jpeg_quality, queue) {
   if (kept.store != nullptr) waiting_.emplace(*kept.store, scene.name, name_, kept.revision);
   state_ = kept.state;
@@ -31,6 +32,7 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
   revision_ = {epoch, kept.revision.number};
   moving_revision_ = revision_.number;  // the first frame is the exact one
   newest_revision_ = revision_.number;
+  viewers_.expect(revision_);
   idle_since_ = queue.now();
   last_edit_ = *idle_since_ - settings.quiet;  // the first frame need not wait for quiet
 }
@@ -46,8 +48,8 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
                                    scene_.height, scene_.camera, scene_.any_view, scene_.materials,
                                    scene_.editable, materials_.measured, state_, revision_}));
   if (exact_revision_ == revision_.number) {
-    if (exact_frame_) {
-      viewers_.offer(*client, exact_frame_);
+    if (viewers_.has_exact()) {
+      viewers_.offer_newest(*client, now);
     } else {
       exact_revision_ = kNone;  // it failed: tried again for who comes new
     }
@@ -97,6 +99,7 @@ void DesignSession::show(const WaitingEdit& edit, Clock::time_point now) {
   state_ = edit.state;
   revision_ = edit.revision;
   newest_revision_.store(revision_.number, std::memory_order_relaxed);
+  viewers_.expect(revision_);
   last_edit_ = now;
   const std::shared_ptr<Client> sender = edit.client.lock();
   for (const Viewers::Viewer& viewer : viewers_) {
@@ -112,9 +115,16 @@ void DesignSession::show(const WaitingEdit& edit, Clock::time_point now) {
 AckResult DesignSession::acknowledge(const Client& client, std::int64_t frame,
                                      Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  const AckResult result = viewers_.acknowledge(client, frame);
+  const AckResult result = viewers_.acknowledge(client, frame, now);
   if (result == AckResult::taken) reschedule(now);
   return result;
+}
+
+void DesignSession::set_display(const Client& client, const Display& display,
+                                Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  viewers_.set_display(client, display, now);
+  reschedule(now);
 }
 
 std::optional<Clock::time_point> DesignSession::idle_since() const {
@@ -129,7 +139,9 @@ void DesignSession::close() {
 
 void DesignSession::reschedule(Clock::time_point now) {
   const bool is_shown = exact_revision_ == revision_.number;
-  if (closed_.load() || viewers_.empty() || (is_shown && unfinished_ == Unfinished::nothing)) {
+  wants_again_ = viewers_.any_lacking();
+  if (closed_.load() || !viewers_.any_visible() ||
+      (is_shown && unfinished_ == Unfinished::nothing && !wants_again_)) {
     moving_since_.reset();
     exact_since_.reset();
     queue_.unschedule(*this);
@@ -150,7 +162,7 @@ void DesignSession::reschedule(Clock::time_point now) {
   }
   Clock::time_point next = *exact_since_;
   if (moving_since_) next = std::min(next, *moving_since_);
-  if (unfinished_ != Unfinished::nothing) next = std::min(next, now);
+  if (unfinished_ != Unfinished::nothing || wants_again_) next = std::min(next, now);
   queue_.schedule(shared_from_this(), next);
 }
 
@@ -162,6 +174,8 @@ DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
     task.frame.queue_ms = milliseconds(now - *std::exchange(moving_since_, std::nullopt));
     // Counted as shown already now: only edits that come during the work ask for another.
     moving_revision_ = revision_.number;
+  } else if (wants_again_ && viewers_.any_lacking()) {
+    task.kind = Work::again;
   } else if (unfinished_ == Unfinished::exact_frame) {
     task.kind = Work::improve;  // the exact frame would take as long, and nobody else had a turn
   } else if (exact_since_ && now >= *exact_since_) {
@@ -184,6 +198,8 @@ void DesignSession::work(Clock::time_point now) noexcept {
     try {
       if (task.kind == Work::improve) {
         improve(task.frame);
+      } else if (task.kind == Work::again) {
+        encode_again();
       } else {
         make_frame(task.frame);
       }
@@ -206,19 +222,38 @@ void DesignSession::improve(const FrameTask& task) {
 }
 
 void DesignSession::make_frame(const FrameTask& task) {
-  const auto [frame, unfinished] = maker_.make(task, [&] {
+  const auto [picture, unfinished] = maker_.draw(task, [&] {
     return closed_.load(std::memory_order_relaxed) ||
            newest_revision_.load(std::memory_order_relaxed) != task.revision.number;
   });
-  if (!frame) return;
-  const std::lock_guard lock(mutex_);
-  unfinished_ = unfinished;
-  moving_revision_ = std::max(moving_revision_, task.revision.number);
-  if (task.exact) {
-    exact_revision_ = task.revision.number;
-    exact_frame_ = frame;
+  if (!picture) return;
+  std::vector<EncodeOrder> orders;
+  {
+    const std::lock_guard lock(mutex_);
+    unfinished_ = unfinished;
+    moving_revision_ = std::max(moving_revision_, task.revision.number);
+    if (task.exact) exact_revision_ = task.revision.number;
+    orders = viewers_.show(*picture, queue_.now());
   }
-  viewers_.offer(frame);
+  encode(orders);
+}
+
+void DesignSession::encode_again() {
+  std::vector<EncodeOrder> orders;
+  {
+    const std::lock_guard lock(mutex_);
+    orders = viewers_.show_again(queue_.now());
+  }
+  encode(orders);
+}
+
+/// Each is sent before the next is made: nobody waits for another one's encode.
+void DesignSession::encode(const std::vector<EncodeOrder>& orders) {
+  for (const EncodeOrder& order : orders) {
+    const EncodedPtr frame = maker_.encode(order);
+    const std::lock_guard lock(mutex_);
+    viewers_.offer(frame, queue_.now());
+  }
 }
 
 void DesignSession::fail(const FrameTask& task, const std::string& reason) {
@@ -226,7 +261,7 @@ void DesignSession::fail(const FrameTask& task, const std::string& reason) {
   // Not tried again until the next edit: it would fail again.
   moving_revision_ = std::max(moving_revision_, task.revision.number);
   exact_revision_ = std::max(exact_revision_, task.revision.number);
-  exact_frame_ = nullptr;
+  viewers_.forget_newest();
   unfinished_ = Unfinished::nothing;
   for (const Viewers::Viewer& viewer : viewers_) viewer.client->send_text(write_error(reason));
 }
