@@ -32,9 +32,9 @@ vpx_codec_enc_cfg_t configuration_of(int width, int height, int quantizer) {
   c.g_timebase = {1, kTicksPerSecond};
   c.g_lag_in_frames = 0;
   c.g_pass = VPX_RC_ONE_PASS;
-  // Its resilience would refresh parts of the picture in turn by a map that a decoder keeps, which
-  // one that missed a frame does not have. The flags of each frame do what is needed.
-  c.g_error_resilient = 0;
+  // Without it the encoder replaces the golden picture by itself from time to time, whatever the
+  // flags of a frame say, and a decoder that misses that frame goes wrong.
+  c.g_error_resilient = VPX_ERROR_RESILIENT_DEFAULT;
   c.rc_end_usage = VPX_CBR;
   c.rc_target_bitrate = kKilobitsPerSecond;
   c.rc_min_quantizer = c.rc_max_quantizer = static_cast<unsigned>(quantizer);

@@ -7,7 +7,7 @@ namespace rimlight::server {
 namespace {
 
 /// Sizes nearer to each other than this say too little of what a byte takes.
-constexpr double kLeastRatio = 4;
+constexpr double kLeastRatio = 2;
 
 }  // namespace
 

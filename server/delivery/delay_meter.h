@@ -14,7 +14,7 @@ namespace rimlight::server {
 ///
 /// With at most one message in flight, the least delay of frames that are all about as large holds
 /// their own bytes, and would hide a narrow link. So least delays are kept apart by size (classes
-/// of powers of two, over the last 5 to 10 s), and where there are sizes a factor of 4 apart (exact
+/// of powers of two, over the last 5 to 10 s), and where there are sizes a factor of 2 apart (exact
 /// frames and their parts against frames in motion), the line through them gives the time of a byte
 /// and the base. The time of a byte is kept when the sizes are no longer seen. One thread at a
 /// time.
