@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <deque>
 #include <functional>
 
 #include "core/image/codec.h"
@@ -41,7 +42,7 @@ class ClientFramesTest : public DesignSessionTest {
     work();
     return {client, std::move(delay)};
   }
-  void move(std::vector<Watcher>& watchers, milliseconds length) {
+  void move(std::deque<Watcher>& watchers, milliseconds length) {
     const Clock::time_point end = now + length;
     for (int i = 0; now < end; ++i) {
       if (i % 20 == 0) edit(*watchers[0].client, degrees_ += 1);
@@ -132,9 +133,9 @@ TEST_F(LargeFramesTest, AClientOnANarrowLinkChangesNoFrameOfAnother) {
     std::vector<std::size_t> frames, bytes;
     for (const bool with_slow : {false, true}) {
       session = std::make_shared<DesignSession>("s", scene, 5, SessionSettings{}, queue);
-      std::vector<Watcher> watchers{watch({.vp8 = vp8}, link(2, 1e6))};
-      if (with_slow) watchers.push_back(watch({.vp8 = vp8}, link(40, vp8 ? 10 : 40)));
-      move(watchers, milliseconds(2000));
+      std::deque<Watcher> watchers{watch({.vp8 = vp8}, link(2, 1e6))};
+      if (with_slow) watchers.push_back(watch({.vp8 = vp8}, link(40, vp8 ? 12 : 40)));
+      move(watchers, milliseconds(4000));
       std::size_t others = 0;
       bytes.push_back(0);
       for (const FramePtr& frame : watchers[0].client->frames) {
@@ -150,14 +151,14 @@ TEST_F(LargeFramesTest, AClientOnANarrowLinkChangesNoFrameOfAnother) {
       EXPECT_GT(header_of(slow.back()).rung.value_or(0), best);
     }
     EXPECT_EQ(frames[0], frames[1]);
-    EXPECT_GT(frames[0], 90u);
+    EXPECT_GT(frames[0], 190u);
     EXPECT_LT(static_cast<double>(bytes[1]), 1.2 * static_cast<double>(bytes[0]));
   }
 }
 
 TEST_F(ClientFramesTest, ClientsFarAwayShareAStreamWithThoseNear) {
   if (!has_vp8()) GTEST_SKIP() << "a build without VP8";
-  std::vector<Watcher> watchers{watch({.vp8 = true}, link(2, 1e6)),
+  std::deque<Watcher> watchers{watch({.vp8 = true}, link(2, 1e6)),
                                 watch({.vp8 = true}, link(150, 1e6)),
                                 watch({.vp8 = true}, link(61, 1e6))};
   move(watchers, milliseconds(5000));
