@@ -22,8 +22,8 @@ struct Rung {
 
 /// All rungs, in the order of their numbers in frame headers: VP8's three, then JPEG's.
 inline constexpr std::array<Rung, 7> kRungs{{
-    {Codec::vp8, 8, 1, 6},
-    {Codec::vp8, 20, 1, 3},
+    {Codec::vp8, 12, 1, 6},
+    {Codec::vp8, 24, 1, 3},
     {Codec::vp8, 28, 2, 1},
     {Codec::jpeg, 80, 1, 26},
     {Codec::jpeg, 55, 1, 15},
@@ -82,11 +82,14 @@ class PartSize {
   static constexpr std::size_t kSmallest = 8 * 1024, kLargest = 4 * 1024 * 1024;
 
   std::size_t bytes() const { return bytes_; }
+  /// Before the first part: what DelayMeter knows of the link, if anything.
+  void expect(double ms_per_byte);
   /// A part of `bytes` had this queue delay.
   void record(std::size_t bytes, double queue_ms);
 
  private:
-  std::size_t bytes_ = 32 * 1024;
+  std::size_t bytes_ = 64 * 1024;
+  bool is_measured_ = false;
 };
 
 }  // namespace rimlight::server

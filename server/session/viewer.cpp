@@ -64,6 +64,7 @@ bool Viewer::accepts(const EncodedFrame& frame, bool has_stream) const {
 void Viewer::send(const EncodedPtr& frame, Clock::time_point now) {
   RIMLIGHT_CHECK(!in_flight_);
   shown_ = frame->header.frame;
+  part_size_.expect(meter_.ms_per_byte());
   if (frame->order.stream) frame->order.stream->keep(kept_);
   send_part(frame, 0, now);
 }
@@ -85,7 +86,7 @@ void Viewer::measure(const InFlight& acknowledged, Clock::time_point now) {
       meter_.record(acknowledged.bytes, milliseconds(now - acknowledged.sent), now);
   const EncodeOrder& order = acknowledged.frame->order;
   if (!order.rung) {
-    part_size_.record(acknowledged.bytes, queue_ms);
+    if (display_.parts) part_size_.record(acknowledged.bytes, queue_ms);
   } else if (!order.stream || !order.stream->links.is_key()) {
     // A key frame is larger than those that the rung is judged by.
     const std::size_t rung = climber_.rung();

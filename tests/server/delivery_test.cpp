@@ -234,5 +234,22 @@ TEST(PartSize, APartTakesAboutTheBoundOnAnyLink) {
   }
 }
 
+TEST(PartSize, TheFirstFollowsFromWhatIsKnownOfTheLink) {
+  PartSize size;
+  size.expect(0);  // nothing
+  const std::size_t unknown = size.bytes();
+  size.expect(1.0 / 250);
+  EXPECT_EQ(size.bytes(), 12'500u);
+  size.expect(1e-9);
+  EXPECT_EQ(size.bytes(), PartSize::kLargest);
+  size.expect(1e9);
+  EXPECT_EQ(size.bytes(), PartSize::kSmallest);
+  EXPECT_GT(unknown, PartSize::kSmallest);
+  size.record(PartSize::kSmallest, 1);
+  const std::size_t measured = size.bytes();
+  size.expect(1.0 / 250);
+  EXPECT_EQ(size.bytes(), measured);
+}
+
 }  // namespace
 }  // namespace rimlight::server

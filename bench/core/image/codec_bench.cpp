@@ -80,10 +80,9 @@ void Vp8(benchmark::State& state) {
   state.counters["bytes"] = all_bytes / frames;
 }
 BENCHMARK(Vp8)
-    ->Args({512, 512, 8})
-    ->Args({512, 512, 14})
-    ->Args({512, 512, 28})
-    ->Args({256, 256, 20})
+    ->Args({512, 512, 12})
+    ->Args({512, 512, 24})
+    ->Args({256, 256, 28})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
