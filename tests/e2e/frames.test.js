@@ -2,8 +2,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { chromium } from 'playwright-core';
-import * as pages from './pages.js';
-import { checkMessages, drag, frameOf, kPatience, waitForExact } from './pages.js';
+import { checkMessages, drag, frameOf, waitForExact } from './pages.js';
 import { run, startServer } from './server.js';
 import { faults } from './schemas.js';
 
@@ -69,7 +68,7 @@ const keepPictures = () => {
   };
 };
 
-test('the page decodes VP8 to nearly the exact picture, and JPEG where it is asked to', async () => {
+test('the page decodes VP8 to nearly the exact picture, and JPEG where it is asked to', async (t) => {
   const found = {};
   for (const [name, query] of [['vp8', ''], ['jpeg', '&codec=jpeg']]) {
     const { page, errors, messages, close } = await openPage(`codec-${name}`, { query, init: keepPictures });
@@ -91,6 +90,7 @@ test('the page decodes VP8 to nearly the exact picture, and JPEG where it is ask
     assert.deepEqual(errors, []);
     await close();
   }
+  t.diagnostic(JSON.stringify(found));
   // Both are of frames in motion, whose light is approximate too.
   assert.ok(found.vp8.psnr > 30, JSON.stringify(found));
   assert.ok(found.vp8.psnr > found.jpeg.psnr - 3, JSON.stringify(found));
