@@ -53,6 +53,12 @@ Response plain(const Request& request, http::status status, std::string_view tex
                        std::string(text) + "\n");
 }
 
+Response try_later(const Request& request, std::string_view reason) {
+  Response response = plain(request, http::status::service_unavailable, reason);
+  response.set(http::field::retry_after, "5");
+  return response;
+}
+
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
 Response serve_file(const Request& request, const StaticFiles::File& file) {
@@ -171,10 +177,9 @@ net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& t
   Response refusal;
   try {
     session = site_.sessions.join(target.session, target.scene, connection_, Clock::now());
-    refusal = plain(request, http::status::service_unavailable,
-                    "all sessions of this server are in use; try again later");
+    refusal = try_later(request, "this server has no room for another session; try again later");
   } catch (const StoreError& error) {
-    refusal = plain(request, http::status::service_unavailable, error.what());
+    refusal = try_later(request, error.what());
   } catch (const Error& error) {
     refusal = plain(request, http::status::not_found, error.what());
   }
@@ -187,9 +192,7 @@ net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& t
 
 Response HttpSession::respond(const Request& request) const {
   if (refusing_) {
-    Response response =
-        plain(request, http::status::service_unavailable, "too many connections; try again later");
-    response.set(http::field::retry_after, "5");
+    Response response = try_later(request, "too many connections; try again later");
     response.keep_alive(false);
     return response;
   }
