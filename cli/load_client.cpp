@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <thread>
 #include <utility>
 
 #include "core/base/error.h"
@@ -27,6 +28,7 @@ class Player {
       : settings_(settings), script_(script), stream_(settings.url, target(settings)) {}
 
   LoadRecord run() {
+    open_ = stream_.send_text(display_message(settings_.codec));
     const Clock::time_point end = settings_.start + from_ms(settings_.seconds * 1e3);
     while (open_ && Clock::now() < end) {
       send_due_edits();
@@ -42,6 +44,8 @@ class Player {
     while (open_ && Clock::now() < quiet) take(stream_.receive(quiet));
     while (open_ && Clock::now() < settled && !is_settled()) take(stream_.receive(settled));
     stream_.close();
+    record_.is_slow = settings_.slow_kBps > 0;
+    record_.rungs = frames_.rungs();
     return std::move(record_);
   }
 
@@ -65,7 +69,7 @@ class Player {
   void send_due_edits() {
     while (open_ && next_ < script_.edits.size() && time_of(script_.edits[next_]) <= Clock::now()) {
       const std::string id = std::to_string(next_);
-      unacknowledged_[id] = Clock::now();
+      unacknowledged_[id] = last_edit_ = Clock::now();
       open_ = stream_.send_text(edit_message(script_.edits[next_], id));
       ++next_;
       ++record_.edits_sent;
@@ -129,33 +133,40 @@ class Player {
     record_.state = server::read_state(reply.member("state"));
   }
 
-  void take_frame(std::vector<std::uint8_t> bytes) {
+  /// A narrow link takes its time for a message, and the acknowledgement comes after it.
+  void hold(std::size_t bytes) {
+    if (!(settings_.slow_kBps > 0)) return;
+    std::this_thread::sleep_for(from_ms(static_cast<double>(bytes) / settings_.slow_kBps));
+  }
+
+  void take_frame(const std::vector<std::uint8_t>& bytes) {
+    hold(bytes.size());
     const Clock::time_point now = Clock::now();
-    const server::ParsedFrame frame = server::parse_frame_message(bytes, "frame");
-    open_ = stream_.send_text(R"({"type":"frame_ack","frame":)" +
-                              std::to_string(frame.header.frame) + "}");
+    const std::int64_t number = server::parse_frame_message(bytes, "frame").header.frame;
+    open_ = stream_.send_text(R"({"type":"frame_ack","frame":)" + std::to_string(number) + "}");
+    if (auto image = frames_.take(bytes)) show(std::move(*image), bytes.size(), now);
+  }
+
+  void show(LoadFrames::Image image, std::size_t bytes, Clock::time_point now) {
+    const server::FrameHeader& header = image.header;
     const auto& last = record_.last_header;
-    if (last && frame.header.revision < last->revision) record_.revisions_ascend = false;
-    if (last && frame.header.frame <= last->frame) fail("a frame's number does not ascend");
-    if (last) record_.skipped += frame.header.frame - last->frame - 1;
-    // JPEG and PNG encoders are functions of the pixels: other bytes are other pixels.
-    const bool is_new = !last || frame.header.revision != last->revision;
-    const bool is_changed = !std::equal(frame.payload.begin(), frame.payload.end(),
-                                        record_.last_payload.begin(), record_.last_payload.end());
-    if (!frame.header.exact) {
-      if (is_new && is_changed) {
-        ++record_.frames;
-        record_.bytes += static_cast<std::int64_t>(bytes.size());
-      } else {
-        ++record_.unchanged;
-      }
+    if (last && header.revision < last->revision) record_.revisions_ascend = false;
+    if (last && header.frame <= last->frame) fail("a frame's number does not ascend");
+    if (last) record_.skipped += header.frame - last->frame - 1;
+    if (header.exact) {
+      record_.exact_after_ms = to_ms(now - last_edit_);
+    } else if ((!last || header.revision != last->revision) && image.is_changed) {
+      ++record_.frames;
+      record_.bytes += static_cast<std::int64_t>(bytes);
+    } else {
+      ++record_.unchanged;
     }
-    while (!unshown_.empty() && unshown_.front().revision <= frame.header.revision.number) {
+    while (!unshown_.empty() && unshown_.front().revision <= header.revision.number) {
       record_.latencies_ms.push_back(to_ms(now - unshown_.front().sent));
       unshown_.pop_front();
     }
-    record_.last_payload.assign(frame.payload.begin(), frame.payload.end());
-    record_.last_header = frame.header;
+    record_.last_payload = std::move(image.payload);
+    record_.last_header = header;
   }
 
   const LoadClientSettings& settings_;
@@ -163,6 +174,8 @@ class Player {
   StreamClient stream_;
   bool open_ = true;
   std::size_t next_ = 0;
+  LoadFrames frames_;
+  Clock::time_point last_edit_{};
   std::map<std::string, Clock::time_point> unacknowledged_;
   std::deque<SentEdit> unshown_;  // revisions ascend
   LoadRecord record_;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/load_frames.h"
 #include "cli/load_script.h"
 #include "cli/load_stream.h"
 #include "core/relight/design_state.h"
@@ -26,6 +27,9 @@ struct LoadRecord {
   double motion_seconds = 0;          // from the first edit to the end of the script
   std::vector<std::string> failures;  // what was against the protocol, in words
   bool revisions_ascend = true;
+  bool is_slow = false;       // its link was made narrow
+  RungCounts rungs;           // of frames in motion
+  double exact_after_ms = 0;  // the last exact frame, after the last edit was sent
 
   std::optional<server::FrameHeader> last_header;
   std::vector<std::uint8_t> last_payload;
@@ -41,6 +45,8 @@ struct LoadClientSettings {
   std::chrono::steady_clock::time_point start;  // of the script
   double seconds = 5;
   double settle_seconds = 10;  // at most, to wait for the exact frame at the end
+  LoadCodec codec = LoadCodec::jpeg;
+  double slow_kBps = 0;  // it takes messages no faster than that; 0: as fast as they come
 };
 
 /// Plays the script's edits against a server and records what comes back. Returns when the last,

@@ -31,6 +31,8 @@ struct LoadOptions {
   int clients = 1;
   std::optional<double> seconds;
   bool shared_session = false;
+  std::string codec = "jpeg";
+  double slow_kBps = 0;
   bool json = false;
 };
 
@@ -39,8 +41,9 @@ struct LoadOptions {
 LoadScript part_of(const LoadScript& script, const LoadOptions& options, std::size_t client) {
   if (!options.shared_session) return script;
   LoadScript part;
-  for (std::size_t i = client; i < script.edits.size();
-       i += static_cast<std::size_t>(options.clients)) {
+  const bool has_slow = options.slow_kBps > 0 && options.clients > 1;
+  const auto editors = static_cast<std::size_t>(options.clients - (has_slow ? 1 : 0));
+  for (std::size_t i = client; client < editors && i < script.edits.size(); i += editors) {
     part.edits.push_back(script.edits[i]);
   }
   return part;
@@ -69,6 +72,10 @@ Plan plan_of(const LoadOptions& options) {
           seconds};
 }
 
+LoadCodec codec_of(const LoadOptions& options) {
+  return options.codec == "vp8" ? LoadCodec::vp8 : LoadCodec::jpeg;
+}
+
 std::vector<LoadRecord> play_all(const LoadOptions& options) {
   const Plan plan = plan_of(options);
   const std::string run = "load-" + std::to_string(std::random_device{}());
@@ -86,7 +93,9 @@ std::vector<LoadRecord> play_all(const LoadOptions& options) {
                                             options.scene,
                                             start,
                                             plan.seconds,
-                                            10};
+                                            10,
+                                            codec_of(options),
+                                            i + 1 == count ? options.slow_kBps : 0};
           records[i] = play(settings, part_of(plan.script, options, i));
         } catch (...) {
           failures[i] = std::current_exception();
@@ -132,6 +141,13 @@ void add_load_command(CLI::App& app, Action& chosen) {
       ->check(number_range(0.1, 3600));
   command->add_flag("--shared-session", options->shared_session,
                     "All clients open one session and play the script together");
+  command->add_option("--codec", options->codec, "What clients say that they decode")
+      ->check(CLI::IsMember({"jpeg", "vp8"}))
+      ->capture_default_str();
+  command
+      ->add_option("--slow-kBps", options->slow_kBps,
+                   "The last client only watches, and takes so many kB a second")
+      ->check(number_range(1, 1e6));
   command->add_option("--scene", options->scene, "The scene to open [the server's default]");
   command->add_option("--bake", options->bake,
                       "The bake that is served: the last frame must equal its render");

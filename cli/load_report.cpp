@@ -66,12 +66,69 @@ double percentile(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
 }
 
+namespace {
+
+LoadReport::Slow slow_of(const LoadRecord& record) {
+  LoadReport::Slow slow;
+  slow.frames_per_second = static_cast<double>(record.frames) / record.motion_seconds;
+  slow.rungs = record.rungs;
+  return slow;
+}
+
+const char* name_of(server::Codec codec) { return codec == server::Codec::vp8 ? "vp8" : "jpeg"; }
+
+double bytes_per_frame(const RungCount& count) {
+  return static_cast<double>(count.bytes) /
+         static_cast<double>(std::max<std::int64_t>(count.frames, 1));
+}
+
+nlohmann::json rungs_to_json(const RungCounts& rungs) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& [rung, count] : rungs) {
+    list.push_back({{"rung", rung},
+                    {"codec", name_of(count.codec)},
+                    {"frames", count.frames},
+                    {"bytes_per_frame", bytes_per_frame(count)}});
+  }
+  return list;
+}
+
+nlohmann::json slow_to_json(const std::optional<LoadReport::Slow>& slow) {
+  if (!slow) return nullptr;
+  return {{"frames_per_second", slow->frames_per_second}, {"rungs", rungs_to_json(slow->rungs)}};
+}
+
+std::string rungs_to_text(const RungCounts& rungs) {
+  std::string text;
+  char line[128];
+  for (const auto& [rung, count] : rungs) {
+    std::snprintf(line, sizeof line, "        rung %d (%s): %lld frames of %.0f bytes\n", rung,
+                  name_of(count.codec), static_cast<long long>(count.frames),
+                  bytes_per_frame(count));
+    text += line;
+  }
+  return text;
+}
+
+}  // namespace
+
 LoadReport summarize(const std::vector<LoadRecord>& records, ScriptKind script) {
   LoadReport report;
   std::vector<double> latencies;
   std::int64_t frames = 0;
   std::int64_t bytes = 0;
   for (const LoadRecord& record : records) {
+    if (record.is_slow) {
+      report.slow = slow_of(record);
+      continue;
+    }
+    report.exact_after_ms = std::max(report.exact_after_ms, record.exact_after_ms);
+    for (const auto& [rung, count] : record.rungs) {
+      RungCount& all = report.rungs[rung];
+      all.codec = count.codec;
+      all.frames += count.frames;
+      all.bytes += count.bytes;
+    }
     frames += record.frames;
     bytes += record.bytes;
     report.skipped += record.skipped;
@@ -129,6 +186,9 @@ nlohmann::json LoadReport::to_json() const {
       {"latency_ms", {{"p50", latency_p50_ms}, {"p95", latency_p95_ms}, {"p99", latency_p99_ms}}},
       {"bytes_per_frame", bytes_per_frame},
       {"skipped", skipped},
+      {"exact_after_ms", exact_after_ms},
+      {"rungs", rungs_to_json(rungs)},
+      {"slow", slow_to_json(slow)},
       {"checks", list}};
 }
 
@@ -140,6 +200,13 @@ std::string LoadReport::to_text() const {
                 frames_per_second, latency_p50_ms, latency_p95_ms, latency_p99_ms, bytes_per_frame,
                 static_cast<long long>(skipped));
   std::string text = line;
+  text += rungs_to_text(rungs);
+  std::snprintf(line, sizeof line, "exact %.0f ms after the last edit\n", exact_after_ms);
+  text += line;
+  if (slow) {
+    std::snprintf(line, sizeof line, "the slow client: %.1f frames/s\n", slow->frames_per_second);
+    text += line + rungs_to_text(slow->rungs);
+  }
   for (const LoadCheck& check : checks) {
     const char* const verdict = !check.pass ? "    --" : *check.pass ? "    ok" : "FAILED";
     text += std::string(verdict) + "  " + check.name + " (" + check.detail + ")\n";

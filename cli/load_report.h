@@ -23,7 +23,16 @@ struct LoadReport {
   double latency_p50_ms = 0, latency_p95_ms = 0, latency_p99_ms = 0;
   double bytes_per_frame = 0;
   std::int64_t skipped = 0;
+  double exact_after_ms = 0;  // the last exact frame after the last edit: the longest of all
+  RungCounts rungs;           // of frames in motion
   std::vector<LoadCheck> checks;
+
+  /// Of the client on a narrow link alone, which is in none of the numbers above.
+  struct Slow {
+    double frames_per_second = 0;
+    RungCounts rungs;
+  };
+  std::optional<Slow> slow;
 
   bool passed() const;
   nlohmann::json to_json() const;

@@ -4,10 +4,12 @@
 
 #include <exception>
 #include <new>
+#include <string>
 
 #include "cli/command.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/image/vp8_codec.h"
 
 namespace {
 
@@ -18,7 +20,8 @@ constexpr int kWrongUsage = 2;
 int run(int argc, char** argv) {
   CLI::App program("Bakes a scene's light transport once and relights it at once, again and again.",
                    "rimlight");
-  program.set_version_flag("--version", RIMLIGHT_VERSION);
+  program.set_version_flag(
+      "--version", std::string(RIMLIGHT_VERSION) + (rimlight::has_vp8() ? "" : " without VP8"));
   program.require_subcommand(1);
   program.footer(
       "A first picture:\n"

@@ -22,6 +22,14 @@ pkg_check_modules(jwt REQUIRED IMPORTED_TARGET libjwt)
 pkg_check_modules(openexr REQUIRED IMPORTED_TARGET OpenEXR)
 pkg_check_modules(sqlite3 REQUIRED IMPORTED_TARGET sqlite3>=3.37)  # STRICT tables
 pkg_check_modules(stb REQUIRED IMPORTED_TARGET stb)
+if(RIMLIGHT_VP8)
+  pkg_check_modules(vpx REQUIRED IMPORTED_TARGET vpx>=1.8)
+  find_path(LIBYUV_INCLUDE_DIR libyuv.h REQUIRED)  # has no CMake or pkg-config file
+  find_library(LIBYUV_LIBRARY yuv REQUIRED)
+  add_library(libyuv INTERFACE IMPORTED)
+  target_include_directories(libyuv SYSTEM INTERFACE ${LIBYUV_INCLUDE_DIR})
+  target_link_libraries(libyuv INTERFACE ${LIBYUV_LIBRARY})
+endif()
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 
 include(GoogleTest)

@@ -2,6 +2,7 @@
 
 set(RIMLIGHT_SANITIZE "" CACHE STRING "Sanitizers for -fsanitize=, comma separated; empty for none")
 option(RIMLIGHT_FUZZ "Build the libFuzzer targets of tests/fuzz (Clang only)" OFF)
+option(RIMLIGHT_VP8 "Offer frames as VP8 (libvpx and libyuv); without it they are JPEG" ON)
 
 add_library(rimlight_flags INTERFACE)
 target_compile_options(rimlight_flags INTERFACE

@@ -26,7 +26,7 @@ const Histogram::BucketBoundaries kSeconds = {
 
 constexpr std::array kKinds = {"moving", "exact"};
 /// In the order of Codec.
-constexpr std::array kCodecs = {"jpeg", "png"};
+constexpr std::array kCodecs = {"jpeg", "png", "vp8"};
 constexpr std::array kContents = {"frame", "text"};
 
 constexpr double kMillisecond = 1e-3;
@@ -179,10 +179,14 @@ ServerMetrics::~ServerMetrics() = default;
 void ServerMetrics::frame_made(const FrameHeader& header) {
   const std::size_t kind = header.exact ? 1 : 0;
   state_->frames[index(header.codec)][kind]->Increment();
+  state_->encode[kind]->Observe(header.encode_ms * kMillisecond);
+}
+
+void ServerMetrics::frame_drawn(const FrameHeader& header) {
+  const std::size_t kind = header.exact ? 1 : 0;
   state_->queue_age[kind]->Observe(header.queue_ms * kMillisecond);
   state_->render[kind]->Observe((header.rotate_ms + header.update_ms + header.display_ms) *
                                 kMillisecond);
-  state_->encode[kind]->Observe(header.encode_ms * kMillisecond);
 }
 
 void ServerMetrics::edit_shown(FrameKind kind, Duration since_edit) {

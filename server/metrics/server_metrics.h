@@ -24,7 +24,9 @@ class ServerMetrics {
 
   using Duration = std::chrono::steady_clock::duration;
 
-  /// A frame that was made: its times are those of its header.
+  /// A picture was drawn: its times are those of its header.
+  void frame_drawn(const FrameHeader& header);
+  /// It was encoded once, as the header says.
   void frame_made(const FrameHeader& header);
   /// An edit's way to the first frame that shows it: for a frame in motion that of the oldest edit
   /// that no frame showed before, for an exact frame that of the newest.

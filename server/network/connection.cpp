@@ -1,5 +1,6 @@
 #include "server/network/connection.h"
 
+#include <array>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -166,6 +167,8 @@ void Connection::handle(DesignSession& session, std::string_view text, Clock::ti
                     "the frame that was sent last, once");
       }
       allowance_.refund(EditAllowance::cost(text.size()));  // as many as frames, and no more
+    } else if (const auto* const display = std::get_if<Display>(&message)) {
+      session.set_display(*this, *display, now);
     } else {
       send_text(write_pong(std::get<Ping>(message).id));
     }
@@ -262,12 +265,12 @@ net::awaitable<void> Connection::write_waiting() {
       const std::string text = std::move(texts_.front());
       texts_.pop_front();
       if (texts_.size() + unanswered_ < kMostTexts) room_.cancel();
-      written = co_await write(net::buffer(text), true);
+      written = co_await write_text(text);
     } else if (state_) {
       const std::string text = *std::exchange(state_, std::nullopt);
-      written = co_await write(net::buffer(text), true);
+      written = co_await write_text(text);
     } else if (const FramePtr frame = std::exchange(frame_, nullptr)) {
-      written = co_await write(net::buffer(frame->bytes), false);
+      written = co_await write_frame(*frame);
     } else {
       break;
     }
@@ -276,12 +279,23 @@ net::awaitable<void> Connection::write_waiting() {
   writing_ = false;
 }
 
-net::awaitable<bool> Connection::write(net::const_buffer bytes, bool is_text) {
-  socket_.text(is_text);
+net::awaitable<bool> Connection::write_text(std::string_view text) {
+  socket_.text(true);
+  const auto [error, size] = co_await socket_.async_write(net::buffer(text), kAsTuple);
+  if (error) co_return false;
+  settings_.metrics->sent(ServerMetrics::Content::text, size);
+  co_return true;
+}
+
+/// Header and image from where they are: the image is shared.
+net::awaitable<bool> Connection::write_frame(const FrameMessage& frame) {
+  socket_.text(false);
+  const auto body = frame.body();
+  const std::array<net::const_buffer, 2> bytes{net::buffer(frame.head),
+                                               net::buffer(body.data(), body.size())};
   const auto [error, size] = co_await socket_.async_write(bytes, kAsTuple);
   if (error) co_return false;
-  using Content = ServerMetrics::Content;
-  settings_.metrics->sent(is_text ? Content::text : Content::frame, size);
+  settings_.metrics->sent(ServerMetrics::Content::frame, size);
   co_return true;
 }
 

@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "server/access/access_token.h"
 #include "server/access/edit_allowance.h"
@@ -57,7 +58,8 @@ class Connection final : public Client,
   void handle(DesignSession& session, std::string_view text, Clock::time_point now);
   void write_soon();
   boost::asio::awaitable<void> write_waiting();
-  boost::asio::awaitable<bool> write(boost::asio::const_buffer bytes, bool is_text);
+  boost::asio::awaitable<bool> write_text(std::string_view text);
+  boost::asio::awaitable<bool> write_frame(const FrameMessage& frame);
   void end_with_token();
   void close(CloseReason reason);
   void abort(CloseReason reason);

@@ -80,16 +80,18 @@ ClientMessage parse_client_message(std::string_view text,
                                    const KnownMaterials& materials) {
   const json document = parse_json(text, "message");
   const JsonReader message(document, "message");
-  static const std::vector<std::string> kTypes{"edit", "frame_ack", "ping"};
+  static const std::vector<std::string> kTypes{"edit", "frame_ack", "ping", "display"};
   switch (message.member("type").one_of(kTypes)) {
     case 0:
       return read_edit(message, environments, materials);
     case 1:
       message.allow_only({"type", "frame"});
       return FrameAck{message.member("frame").integer(0, kLargestWhole)};
-    default:
+    case 2:
       message.allow_only({"type", "id"});
       return Ping{read_id(message)};
+    default:
+      return read_display(message);
   }
 }
 

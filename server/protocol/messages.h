@@ -13,6 +13,7 @@
 #include "core/relight/design_state.h"
 #include "core/transport/curve_receivers.h"
 #include "core/transport/vertex_transport.h"
+#include "server/protocol/display_message.h"
 #include "server/protocol/material_edits.h"
 #include "server/protocol/view_edits.h"
 
@@ -64,7 +65,7 @@ struct Ping {
   friend bool operator==(const Ping&, const Ping&) = default;
 };
 
-using ClientMessage = std::variant<Edit, FrameAck, Ping>;
+using ClientMessage = std::variant<Edit, FrameAck, Ping, Display>;
 
 /// Reads one text message of a client. Throws Error, where() naming the field: malformed JSON, an
 /// unknown type or field, a rotation that is not finite or cannot be normalised, an environment

@@ -24,6 +24,7 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
       materials_(known_materials(scene)),
       settings_(settings),
       queue_(queue),
+      viewers_(scene.width, scene.height),
       maker_(scene, settings.jpeg_quality, queue, settings.metrics) {
   if (kept.store != nullptr) waiting_.emplace(*kept.store, scene.name, name_, kept.revision);
   state_ = kept.state;
@@ -31,6 +32,7 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
   revision_ = {epoch, kept.revision.number};
   moving_revision_ = revision_.number;  // the first frame is the exact one
   newest_revision_ = revision_.number;
+  viewers_.expect(revision_);
   idle_since_ = queue.now();
   last_edit_ = *idle_since_ - settings.quiet;  // the first frame need not wait for quiet
   settings_.metrics->session_opened();
@@ -49,8 +51,8 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
                                    scene_.height, scene_.camera, scene_.any_view, scene_.materials,
                                    scene_.editable, materials_.measured, state_, revision_}));
   if (exact_revision_ == revision_.number) {
-    if (exact_frame_) {
-      viewers_.offer(*client, exact_frame_);
+    if (viewers_.has_exact()) {
+      viewers_.offer_newest(*client, now);
     } else {
       exact_revision_ = kNone;  // it failed: tried again for who comes new
     }
@@ -107,6 +109,7 @@ void DesignSession::show(const WaitingEdit& edit, Clock::time_point arrived,
   state_ = edit.state;
   revision_ = edit.revision;
   newest_revision_.store(revision_.number, std::memory_order_relaxed);
+  viewers_.expect(revision_);
   last_edit_ = now;
   const std::shared_ptr<Client> sender = edit.client.lock();
   for (const Viewers::Viewer& viewer : viewers_) {
@@ -122,9 +125,16 @@ void DesignSession::show(const WaitingEdit& edit, Clock::time_point arrived,
 AckResult DesignSession::acknowledge(const Client& client, std::int64_t frame,
                                      Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  const AckResult result = viewers_.acknowledge(client, frame);
+  const AckResult result = viewers_.acknowledge(client, frame, now);
   if (result == AckResult::taken) reschedule(now);
   return result;
+}
+
+void DesignSession::set_display(const Client& client, const Display& display,
+                                Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  viewers_.set_display(client, display, now);
+  reschedule(now);
 }
 
 std::optional<Clock::time_point> DesignSession::idle_since() const {
@@ -135,7 +145,7 @@ std::optional<Clock::time_point> DesignSession::idle_since() const {
 bool DesignSession::settled() const {
   const std::lock_guard lock(mutex_);
   if (waiting_ && !waiting_->empty()) return false;
-  return viewers_.empty() || (exact_revision_ == revision_.number && viewers_.all_ready());
+  return viewers_.empty() || (exact_revision_ == revision_.number && viewers_.all_shown());
 }
 
 void DesignSession::close() {
@@ -145,7 +155,9 @@ void DesignSession::close() {
 
 void DesignSession::reschedule(Clock::time_point now) {
   const bool is_shown = exact_revision_ == revision_.number;
-  if (closed_.load() || viewers_.empty() || (is_shown && unfinished_ == Unfinished::nothing)) {
+  wants_again_ = viewers_.any_lacking();
+  if (closed_.load() || !viewers_.any_visible() ||
+      (is_shown && unfinished_ == Unfinished::nothing && !wants_again_)) {
     moving_since_.reset();
     exact_since_.reset();
     queue_.unschedule(*this);
@@ -166,7 +178,7 @@ void DesignSession::reschedule(Clock::time_point now) {
   }
   Clock::time_point next = *exact_since_;
   if (moving_since_) next = std::min(next, *moving_since_);
-  if (unfinished_ != Unfinished::nothing) next = std::min(next, now);
+  if (unfinished_ != Unfinished::nothing || wants_again_) next = std::min(next, now);
   queue_.schedule(shared_from_this(), next);
 }
 
@@ -179,6 +191,8 @@ DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
     task.frame.edit = ages_.begin(ServerMetrics::FrameKind::moving);
     // Counted as shown already now: only edits that come during the work ask for another.
     moving_revision_ = revision_.number;
+  } else if (wants_again_ && viewers_.any_lacking()) {
+    task.kind = Work::again;
   } else if (unfinished_ == Unfinished::exact_frame) {
     task.kind = Work::improve;  // the exact frame would take as long, and nobody else had a turn
   } else if (exact_since_ && now >= *exact_since_) {
@@ -202,6 +216,8 @@ void DesignSession::work(Clock::time_point now) noexcept {
     try {
       if (task.kind == Work::improve) {
         improve(task.frame);
+      } else if (task.kind == Work::again) {
+        encode_again();
       } else {
         make_frame(task.frame);
       }
@@ -224,25 +240,46 @@ void DesignSession::improve(const FrameTask& task) {
 }
 
 void DesignSession::make_frame(const FrameTask& task) {
-  const auto [frame, unfinished] = maker_.make(task, [&] {
+  const auto [picture, unfinished] = maker_.draw(task, [&] {
     return closed_.load(std::memory_order_relaxed) ||
            newest_revision_.load(std::memory_order_relaxed) != task.revision.number;
   });
-  if (!frame) return;
-  const std::lock_guard lock(mutex_);
-  unfinished_ = unfinished;
-  moving_revision_ = std::max(moving_revision_, task.revision.number);
+  if (!picture) return;
+  std::vector<EncodeOrder> orders;
+  {
+    const std::lock_guard lock(mutex_);
+    unfinished_ = unfinished;
+    moving_revision_ = std::max(moving_revision_, task.revision.number);
+    if (task.exact) {
+      if (revision_.number == task.revision.number) ages_.settled();
+      exact_revision_ = task.revision.number;
+    }
+    orders = viewers_.show(*picture, queue_.now());
+  }
+  encode(orders);
   if (task.edit) {
     using Kind = ServerMetrics::FrameKind;
     settings_.metrics->edit_shown(task.exact ? Kind::exact : Kind::moving,
                                   queue_.now() - *task.edit);
   }
-  if (task.exact) {
-    if (revision_.number == task.revision.number) ages_.settled();
-    exact_revision_ = task.revision.number;
-    exact_frame_ = frame;
+}
+
+void DesignSession::encode_again() {
+  std::vector<EncodeOrder> orders;
+  {
+    const std::lock_guard lock(mutex_);
+    orders = viewers_.show_again(queue_.now());
   }
-  viewers_.offer(frame);
+  encode(orders);
+}
+
+/// Each is sent before the next is made: nobody waits for another one's encode.
+void DesignSession::encode(const std::vector<EncodeOrder>& orders) {
+  for (const EncodeOrder& order : orders) {
+    const EncodedPtr frame = maker_.encode(order);
+    const std::lock_guard lock(mutex_);
+    viewers_.offer(frame, queue_.now());
+  }
 }
 
 void DesignSession::fail(const FrameTask& task, const std::string& reason) {
@@ -251,7 +288,7 @@ void DesignSession::fail(const FrameTask& task, const std::string& reason) {
   // Not tried again until the next edit: it would fail again.
   moving_revision_ = std::max(moving_revision_, task.revision.number);
   exact_revision_ = std::max(exact_revision_, task.revision.number);
-  exact_frame_ = nullptr;
+  viewers_.forget_newest();
   unfinished_ = Unfinished::nothing;
   for (const Viewers::Viewer& viewer : viewers_) viewer.client->send_text(write_error(reason));
 }

@@ -34,11 +34,10 @@ struct KeptSession {
 
 /// Shared state that clients edit, and the frames that show it. Edits apply in order, each a new
 /// revision; with a store each applies when it is durable, and not before. Frames: while edits
-/// come, the approximate image as JPEG, as soon as a client can take one, so that a burst of edits
-/// costs one frame and frames are dropped before they are made; after `quiet` the exact image,
-/// once, as PNG; then nothing. Each client has at most one frame in flight and keeps the newest one
-/// waiting: a slow client gets fewer frames, never older ones, and always the last. When no frame
-/// is due, what the source has left unfinished goes on in slices of 20 ms, behind all other
+/// come, the approximate image as each client takes it (Viewers), as soon as one can, so that a
+/// burst of edits costs one frame and frames are dropped before they are made; after `quiet` the
+/// exact image, once, as PNG; then nothing, and nothing at all while nobody looks. When no frame is
+/// due, what the source has left unfinished goes on in slices of 20 ms, behind all other
 /// sessions. Any thread, but work() is the compute thread's.
 class DesignSession final : public RenderJob, public std::enable_shared_from_this<DesignSession> {
  public:
@@ -61,6 +60,8 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   void apply(const Client& client, const Edit& edit, Clock::time_point now);
   [[nodiscard]] AckResult acknowledge(const Client& client, std::int64_t frame,
                                       Clock::time_point now);
+  /// What the client can show, from now on.
+  void set_display(const Client& client, const Display& display, Clock::time_point now);
 
   /// Since when nobody has it open; nothing when somebody has, or an edit is not durable yet.
   std::optional<Clock::time_point> idle_since() const;
@@ -76,7 +77,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   void work(Clock::time_point now) noexcept override;
 
  private:
-  enum class Work { none, moving, improve, exact };
+  enum class Work { none, moving, again, improve, exact };
   struct Task {
     Work kind = Work::none;
     FrameTask frame;
@@ -94,6 +95,8 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   // Called on the compute thread, without the mutex.
   void improve(const FrameTask& task);
   void make_frame(const FrameTask& task);
+  void encode_again();
+  void encode(const std::vector<EncodeOrder>& orders);
   void fail(const FrameTask& task, const std::string& reason);
 
   const std::string name_;
@@ -112,8 +115,8 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   std::optional<Clock::time_point> moving_since_;
   std::optional<Clock::time_point> exact_since_;
   EditAges ages_;
+  bool wants_again_ = false;  // the newest picture, for clients whose turn is now
   Unfinished unfinished_ = Unfinished::nothing;  // of what the source showed last
-  FramePtr exact_frame_;
   Viewers viewers_;
   std::optional<WaitingEdits> waiting_;  // with a store
   std::optional<Clock::time_point> idle_since_;

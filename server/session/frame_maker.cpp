@@ -1,8 +1,10 @@
 #include "server/session/frame_maker.h"
 
+#include <utility>
+
 namespace rimlight::server {
 
-FrameMaker::Made FrameMaker::make(const FrameTask& task, const std::function<bool()>& abandon) {
+FrameMaker::Drawn FrameMaker::draw(const FrameTask& task, const std::function<bool()>& abandon) {
   if (!source_) source_ = scene_.make_source();
   FrameReport report;
   if (!task.exact) {
@@ -11,34 +13,68 @@ FrameMaker::Made FrameMaker::make(const FrameTask& task, const std::function<boo
   } else if (!source_->render_exact(task.state, image_, report, abandon)) {
     return {};
   }
-  return {encode(task, report), report.unfinished};
+  header_ = {};
+  header_.frame = frames_++;
+  header_.revision = task.revision;
+  header_.exact = task.exact;
+  header_.terms = static_cast<std::int64_t>(report.terms);
+  header_.residual = report.residual;
+  header_.estimate = report.estimate;
+  header_.unshown = report.unshown;
+  header_.queue_ms = task.queue_ms;
+  header_.rotate_ms = report.rotate_ms;
+  header_.update_ms = report.update_ms;
+  header_.display_ms = report.display_ms;
+  metrics_->frame_drawn(header_);
+  return {DrawnPicture{header_.frame, task.revision, task.exact}, report.unfinished};
 }
 
-FramePtr FrameMaker::encode(const FrameTask& task, const FrameReport& report) {
+EncodedPtr FrameMaker::encode(const EncodeOrder& order) {
   const Clock::time_point start = queue_.now();
-  if (task.exact) {
-    encode_png(image_, payload_);
-  } else {
-    jpeg_.encode(image_, jpeg_quality_, payload_);
+  auto frame = std::make_shared<EncodedFrame>();
+  frame->order = order;
+  frame->header = header_;
+  frame->payload = compress(order, frame->header);
+  frame->made = queue_.now();
+  frame->header.encode_ms = std::chrono::duration<double, std::milli>(frame->made - start).count();
+  metrics_->frame_made(frame->header);
+  return frame;
+}
+
+const Rgb8Image& FrameMaker::picture_by(int divisor) {
+  if (divisor == 1) return image_;
+  Smaller& smaller = smaller_[divisor];
+  if (std::exchange(smaller.frame, header_.frame) != header_.frame) {
+    scaler_.shrink(image_, divisor, smaller.image);
   }
-  FrameHeader header;
-  header.frame = frames_++;
-  header.revision = task.revision;
-  header.codec = task.exact ? Codec::png : Codec::jpeg;
-  header.width = image_.width;
-  header.height = image_.height;
-  header.exact = task.exact;
-  header.terms = static_cast<std::int64_t>(report.terms);
-  header.residual = report.residual;
-  header.estimate = report.estimate;
-  header.unshown = report.unshown;
-  header.queue_ms = task.queue_ms;
-  header.rotate_ms = report.rotate_ms;
-  header.update_ms = report.update_ms;
-  header.display_ms = report.display_ms;
-  header.encode_ms = std::chrono::duration<double, std::milli>(queue_.now() - start).count();
-  metrics_->frame_made(header);
-  return write_frame_message(header, payload_);
+  return smaller.image;
+}
+
+Payload FrameMaker::compress(const EncodeOrder& order, FrameHeader& header) {
+  auto bytes = std::make_shared<std::vector<std::uint8_t>>();
+  const Rgb8Image& picture = picture_by(order.rung ? kRungs[*order.rung].divisor : 1);
+  header.width = picture.width;
+  header.height = picture.height;
+  if (!order.rung) {
+    header.codec = Codec::png;
+    encode_png(picture, *bytes);
+    return bytes;
+  }
+  const Rung& rung = kRungs[*order.rung];
+  header.codec = rung.codec;
+  header.rung = static_cast<int>(*order.rung);
+  header.quality = *order.rung == kVp8Rungs ? jpeg_quality_ : rung.quality;
+  if (order.stream) {
+    auto& stream = streams_[*order.rung];
+    if (!stream) {
+      stream = std::make_unique<Vp8Encoder>(picture.width, picture.height, rung.quality);
+    }
+    header.key = order.stream->links.is_key();
+    stream->encode(picture, order.stream->links, *bytes);
+  } else {
+    jpeg_.encode(picture, *header.quality, *bytes);
+  }
+  return bytes;
 }
 
 }  // namespace rimlight::server

@@ -1,15 +1,19 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "core/image/codec.h"
+#include "core/image/picture_scaler.h"
+#include "core/image/vp8_codec.h"
+#include "server/delivery/encoded_frame.h"
+#include "server/delivery/ladder.h"
 #include "server/metrics/server_metrics.h"
-#include "server/protocol/frame_message.h"
 #include "server/schedule/render_queue.h"
 #include "server/session/scene_catalog.h"
 
@@ -24,35 +28,47 @@ struct FrameTask {
   std::optional<Clock::time_point> edit = {};  // since when its latency counts: EditAges
 };
 
-/// Draws a session's frames and encodes them, each once for all clients. The compute thread's own:
-/// what it draws with is kept between frames, so that nothing is allocated after warm-up.
+/// Draws a session's pictures, and encodes each once for all who want it so. The compute thread's
+/// own: what it draws and encodes with is kept between frames, so that nothing but what is sent is
+/// allocated after warm-up.
 class FrameMaker {
  public:
-  /// `scene` and `queue`, which tells the time, must outlive it.
+  /// `jpeg_quality`: of the best rung of JPEG. `scene` and `queue`, which tells the time, must
+  /// outlive it.
   FrameMaker(const ServedScene& scene, int jpeg_quality, const RenderQueue& queue,
              std::shared_ptr<ServerMetrics> metrics = unread_metrics())
       : scene_(scene), jpeg_quality_(jpeg_quality), queue_(queue), metrics_(std::move(metrics)) {}
 
-  struct Made {
-    FramePtr frame;  // null: abandoned
+  struct Drawn {
+    std::optional<DrawnPicture> picture;  // none: abandoned
     Unfinished unfinished = Unfinished::nothing;
   };
-  /// Only exact frames are ever abandoned. Throws what the scene's source does.
-  Made make(const FrameTask& task, const std::function<bool()>& abandon);
-  /// FrameSource::improve(), after a frame was made.
+  /// Only exact pictures are ever abandoned. Throws what the scene's source does.
+  Drawn draw(const FrameTask& task, const std::function<bool()>& abandon);
+  /// The picture that was drawn last. Throws Error when it cannot be encoded.
+  EncodedPtr encode(const EncodeOrder& order);
+  /// FrameSource::improve(), after a picture was drawn.
   Unfinished improve(const std::function<bool()>& abandon) { return source_->improve(abandon); }
 
  private:
-  FramePtr encode(const FrameTask& task, const FrameReport& report);
+  const Rgb8Image& picture_by(int divisor);
+  Payload compress(const EncodeOrder& order, FrameHeader& header);
 
   const ServedScene& scene_;
   const int jpeg_quality_;
   const RenderQueue& queue_;
   const std::shared_ptr<ServerMetrics> metrics_;
   std::unique_ptr<FrameSource> source_;
+  FrameHeader header_;  // of the picture
   Rgb8Image image_;
+  PictureScaler scaler_;
+  struct Smaller {
+    std::int64_t frame = -1;  // of which picture
+    Rgb8Image image;
+  };
+  std::map<int, Smaller> smaller_;  // by divisor
   JpegEncoder jpeg_;
-  std::vector<std::uint8_t> payload_;
+  std::array<std::unique_ptr<Vp8Encoder>, kVp8Rungs> streams_;
   std::int64_t frames_ = 0;
 };
 

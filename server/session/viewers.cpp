@@ -6,7 +6,7 @@
 namespace rimlight::server {
 
 void Viewers::join(const std::shared_ptr<Client>& client) {
-  viewers_.push_back({client, ++joined_});
+  viewers_.emplace_back(client, ++joined_, width_, height_);
 }
 
 void Viewers::leave(const Client& client) {
@@ -24,39 +24,135 @@ Viewers::Viewer* Viewers::find_viewer(const Client& client) {
   return const_cast<Viewer*>(std::as_const(*this).find(client));
 }
 
+void Viewers::set_display(const Client& client, const Display& display, Clock::time_point now) {
+  Viewer* const viewer = find_viewer(client);
+  if (viewer == nullptr) return;
+  viewer->set_display(display);
+  if (newest_ && newest_->revision == expected_) offer_newest(*viewer, now);
+}
+
+bool Viewers::any_visible() const {
+  return std::any_of(viewers_.begin(), viewers_.end(),
+                     [](const Viewer& viewer) { return !viewer.is_hidden(); });
+}
+
 bool Viewers::any_ready() const {
   return std::any_of(viewers_.begin(), viewers_.end(),
-                     [](const Viewer& viewer) { return viewer.in_flight == kNone; });
+                     [](const Viewer& viewer) { return viewer.is_ready(); });
 }
 
-bool Viewers::all_ready() const {
-  return std::all_of(viewers_.begin(), viewers_.end(),
-                     [](const Viewer& viewer) { return viewer.in_flight == kNone; });
+bool Viewers::all_shown() const {
+  return !newest_ || std::all_of(viewers_.begin(), viewers_.end(), [&](const Viewer& viewer) {
+    return viewer.is_hidden() || (viewer.is_ready() && !viewer.lacks(newest_->frame));
+  });
 }
 
-void Viewers::offer(const FramePtr& frame) {
-  for (Viewer& viewer : viewers_) offer(viewer, frame);
+bool Viewers::is_lacking(const Viewer& viewer) const {
+  return newest_ && viewer.is_ready() && viewer.lacks(newest_->frame) && !find_newest(viewer);
 }
 
-void Viewers::offer(const Client& client, const FramePtr& frame) {
-  if (Viewer* const viewer = find_viewer(client)) offer(*viewer, frame);
+bool Viewers::any_lacking() const {
+  return newest_ && newest_->revision == expected_ &&
+         std::any_of(viewers_.begin(), viewers_.end(),
+                     [&](const Viewer& viewer) { return is_lacking(viewer); });
 }
 
-void Viewers::offer(Viewer& viewer, const FramePtr& frame) {
-  if (viewer.in_flight != kNone) {
-    viewer.waiting = frame;  // an older one is dropped, unsent
-    return;
+bool Viewers::has_exact() const { return newest_ && newest_->is_exact; }
+
+bool Viewers::has_stream(const Viewer& viewer) const {
+  return viewer.rung() < kVp8Rungs && streams_[viewer.rung()].follows(viewer.kept());
+}
+
+EncodedPtr Viewers::find_newest(const Viewer& viewer) const {
+  const auto found = std::find_if(encoded_.begin(), encoded_.end(), [&](const EncodedPtr& frame) {
+    return viewer.accepts(*frame, has_stream(viewer));
+  });
+  return found == encoded_.end() ? nullptr : *found;
+}
+
+void Viewers::offer_newest(const Client& client, Clock::time_point now) {
+  if (Viewer* const viewer = find_viewer(client)) offer_newest(*viewer, now);
+}
+
+void Viewers::offer_newest(Viewer& viewer, Clock::time_point now) {
+  if (!newest_ || !viewer.is_ready() || !viewer.lacks(newest_->frame)) return;
+  if (const EncodedPtr frame = find_newest(viewer)) viewer.send(frame, now);
+}
+
+std::vector<EncodeOrder> Viewers::show(const DrawnPicture& picture, Clock::time_point now) {
+  newest_ = picture;
+  encoded_.clear();
+  return plan(SharedStream::Kind::new_picture, now);
+}
+
+std::vector<EncodeOrder> Viewers::show_again(Clock::time_point now) const {
+  return newest_ ? plan(SharedStream::Kind::repeat, now) : std::vector<EncodeOrder>{};
+}
+
+std::vector<EncodeOrder> Viewers::plan(SharedStream::Kind kind, Clock::time_point now) const {
+  if (newest_->is_exact) return {EncodeOrder{}};
+  std::vector<EncodeOrder> orders;
+  std::array<bool, kRungs.size()> wants{};
+  for (std::size_t rung = 0; rung < kVp8Rungs; ++rung) {
+    const std::optional<StreamFrame> frame = plan_stream(rung, kind, now);
+    if (frame) orders.push_back({rung, frame});
+    for (const Viewer& viewer : viewers_) {
+      if (viewer.rung() != rung || !is_lacking(viewer)) continue;
+      if (!frame || !frame->can_follow(viewer.kept())) {
+        wants[jpeg_instead_of(rung)] |= !has_stream(viewer);
+      }
+    }
   }
-  viewer.in_flight = frame->frame;
-  viewer.client->send_frame(frame);
+  for (const Viewer& viewer : viewers_) {
+    wants[viewer.rung()] |= viewer.rung() >= kVp8Rungs && is_lacking(viewer);
+  }
+  for (std::size_t rung = kVp8Rungs; rung < kRungs.size(); ++rung) {
+    if (wants[rung]) orders.push_back({rung, std::nullopt});
+  }
+  return orders;
 }
 
-AckResult Viewers::acknowledge(const Client& client, std::int64_t frame) {
+std::optional<StreamFrame> Viewers::plan_stream(std::size_t rung, SharedStream::Kind kind,
+                                                Clock::time_point now) const {
+  std::vector<SharedStream::Member> members;
+  for (const Viewer& viewer : viewers_) {
+    if (!viewer.is_member(rung, now)) continue;
+    members.push_back(viewer.as_member());
+    members.back().is_ready = is_lacking(viewer);
+  }
+  return streams_[rung].plan(members, kind, now);
+}
+
+void Viewers::offer(const EncodedPtr& frame, Clock::time_point now) {
+  const EncodeOrder& order = frame->order;
+  if (order.stream) streams_[*order.rung].made(*order.stream, now);
+  if (!newest_ || frame->header.frame != newest_->frame) return;
+  encoded_.push_back(frame);
+  const bool must_reach_all =
+      order.stream && (order.stream->links.is_key() || order.stream->links.to_golden);
+  for (Viewer& viewer : viewers_) {
+    if (!viewer.lacks(newest_->frame)) continue;
+    if (viewer.is_ready()) {
+      offer_newest(viewer, now);
+    } else if (must_reach_all && viewer.is_member(*order.rung, now)) {
+      const SharedStream::Member member = viewer.as_member();
+      if (member.can_owe && order.stream->can_follow(member.kept)) viewer.owe(frame);
+    }
+  }
+}
+
+AckResult Viewers::acknowledge(const Client& client, std::int64_t frame, Clock::time_point now) {
   Viewer* const viewer = find_viewer(client);
-  if (viewer == nullptr || viewer->in_flight != frame) return AckResult::not_in_flight;
-  viewer->in_flight = kNone;
-  if (const FramePtr waiting = std::exchange(viewer->waiting, nullptr)) offer(*viewer, waiting);
-  return AckResult::taken;
+  if (viewer == nullptr) return AckResult::not_in_flight;
+  const AckResult result = viewer->acknowledge(frame, expected_, now);
+  if (result == AckResult::taken) offer_newest(*viewer, now);
+  return result;
+}
+
+void Viewers::forget_newest() {
+  newest_.reset();
+  encoded_.clear();
+  for (SharedStream& stream : streams_) stream.lost();
 }
 
 }  // namespace rimlight::server

@@ -1,28 +1,28 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
-#include <string>
+#include <optional>
 #include <vector>
 
-#include "server/session/client.h"
+#include "server/delivery/shared_stream.h"
+#include "server/session/viewer.h"
 
 namespace rimlight::server {
 
-/// Why a client's frame_ack was not taken.
-enum class AckResult { taken, not_in_flight };
-
-/// The clients of a session, and each one's place in the flow of frames: at most one frame in
-/// flight, and the newest one waiting, so that a slow client gets fewer frames, never older ones,
-/// and always the last. One thread at a time: the session's mutex.
+/// The clients of a session, and what is encoded for them: each picture once for all on a rung, at
+/// most three VP8 streams. What waits for a client that cannot take a frame yet is not a frame but
+/// that it lacks the newest picture: an encode of it that others got, or one that is made when it
+/// is ready. So a slow client gets fewer frames, never older ones, and always the last. One thread
+/// at a time: the session's mutex.
 class Viewers {
  public:
-  struct Viewer {
-    std::shared_ptr<Client> client;
-    std::int64_t number = 0;         // of those that have joined, from 1
-    std::int64_t in_flight = kNone;  // number of the frame that it has not acknowledged
-    FramePtr waiting = nullptr;      // the newest frame that it could not take yet
-  };
+  using Viewer = server::Viewer;
+  using Clock = Viewer::Clock;
+
+  /// width × height: of the session's pictures.
+  Viewers(int width, int height) : width_(width), height_(height) {}
 
   bool empty() const { return viewers_.empty(); }
   auto begin() const { return viewers_.begin(); }
@@ -32,25 +32,53 @@ class Viewers {
   void leave(const Client& client);
   /// Nothing when it has left.
   const Viewer* find(const Client& client) const;
+  /// One that shows again gets the newest picture, if that is of the newest revision.
+  void set_display(const Client& client, const Display& display, Clock::time_point now);
+  /// The newest revision is this: what shows an older one is not worth going on with.
+  void expect(const Revision& revision) { expected_ = revision; }
+
+  /// Whether somebody looks at all.
+  bool any_visible() const;
   /// Whether one could be sent a frame at once.
   bool any_ready() const;
-  /// Whether nothing that was sent is unacknowledged, and nothing waits.
-  bool all_ready() const;
+  /// Whether all who look have the newest picture, whole and acknowledged.
+  bool all_shown() const;
+  /// Whether one could, and the newest picture is the one to send, but not encoded for it.
+  bool any_lacking() const;
+  /// Whether the newest picture is exact: encoded, or about to be.
+  bool has_exact() const;
 
-  void offer(const FramePtr& frame);
-  /// To one alone.
-  void offer(const Client& client, const FramePtr& frame);
+  /// A new picture: how it is to be encoded, for those who are ready; best rungs first.
+  std::vector<EncodeOrder> show(const DrawnPicture& picture, Clock::time_point now);
+  /// The same picture again, for those of any_lacking().
+  std::vector<EncodeOrder> show_again(Clock::time_point now) const;
+  /// It was encoded: to all who wait for it.
+  void offer(const EncodedPtr& frame, Clock::time_point now);
+  /// To one alone: the newest picture, if it is encoded for it.
+  void offer_newest(const Client& client, Clock::time_point now);
   /// Sends what waits.
-  [[nodiscard]] AckResult acknowledge(const Client& client, std::int64_t frame);
+  [[nodiscard]] AckResult acknowledge(const Client& client, std::int64_t frame,
+                                      Clock::time_point now);
+  /// A picture could not be made.
+  void forget_newest();
 
  private:
-  static constexpr std::int64_t kNone = -1;
-
   Viewer* find_viewer(const Client& client);
-  static void offer(Viewer& viewer, const FramePtr& frame);
+  bool has_stream(const Viewer& viewer) const;
+  EncodedPtr find_newest(const Viewer& viewer) const;
+  bool is_lacking(const Viewer& viewer) const;
+  void offer_newest(Viewer& viewer, Clock::time_point now);
+  std::vector<EncodeOrder> plan(SharedStream::Kind kind, Clock::time_point now) const;
+  std::optional<StreamFrame> plan_stream(std::size_t rung, SharedStream::Kind kind,
+                                         Clock::time_point now) const;
 
+  const int width_, height_;
   std::vector<Viewer> viewers_;
   std::int64_t joined_ = 0;  // so far
+  Revision expected_;
+  std::optional<DrawnPicture> newest_;
+  std::vector<EncodedPtr> encoded_;  // of the newest
+  std::array<SharedStream, kVp8Rungs> streams_;
 };
 
 }  // namespace rimlight::server

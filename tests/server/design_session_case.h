@@ -25,7 +25,7 @@ class KeepingClient : public Client {
   void send_state(std::string text) override { states.push_back(json::parse(text)); }
   void send_frame(FramePtr frame) override { frames.push_back(std::move(frame)); }
 
-  FrameHeader last() const { return parse_frame_message(frames.back()->bytes, "frame").header; }
+  FrameHeader last() const { return parse_frame_message(frames.back()->bytes(), "frame").header; }
 
   std::vector<json> texts, states;
   std::vector<FramePtr> frames;

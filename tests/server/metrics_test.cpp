@@ -110,6 +110,7 @@ TEST(Metrics, CountingAFrameAllocatesNothing) {
   for (int i = 0; i < 1000; ++i) {
     header.exact = i % 2 == 0;
     header.codec = header.exact ? Codec::png : Codec::jpeg;
+    metrics.frame_drawn(header);
     metrics.frame_made(header);
     metrics.edit_shown(ServerMetrics::FrameKind::moving, milliseconds(i));
     metrics.sent(ServerMetrics::Content::frame, 1000);

@@ -26,6 +26,11 @@ TEST(ClientMessages, EachKindComesBackAsItWasSent) {
             (Edit{"", std::nullopt, std::nullopt, 20.0}));
   EXPECT_EQ(std::get<FrameAck>(parsed(R"({"type":"frame_ack","frame":12})")), FrameAck{12});
   EXPECT_EQ(std::get<Ping>(parsed(R"({"type":"ping","id":"a"})")), Ping{"a"});
+  EXPECT_EQ(std::get<Display>(parsed(R"({"type":"display","codecs":["av2","vp8","jpeg"]})")),
+            (Display{.vp8 = true}));
+  EXPECT_EQ(std::get<Display>(parsed(R"({"type":"display","codecs":[],"parts":true,"hidden":true,)"
+                                     R"("most_pixels":5})")),
+            (Display{false, true, true, 5}));
 }
 
 TEST(ClientMessages, RotationsComeBackAsUnitQuaternions) {
@@ -74,6 +79,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadMessage{R"({"type":"edit","environment":"dusk"})", "expected one of \"day\" \"night\""},
         BadMessage{R"({"type":"edit","environment":"day","environment":"night"})", "twice"},
         BadMessage{R"({"type":"edit","id":5,"exposure":1})", "/id: found 5"},
+        BadMessage{R"({"type":"display"})", "no \"codecs\""},
+        BadMessage{R"({"type":"display","codecs":"vp8"})", "/codecs: found"},
+        BadMessage{R"({"type":"display","codecs":[1]})", "/codecs/0: found 1"},
+        BadMessage{R"({"type":"display","codecs":[],"most_pixels":0})", "/most_pixels: found 0"},
+        BadMessage{R"({"type":"display","codecs":[],"hidden":1})", "/hidden: found 1"},
+        BadMessage{R"({"type":"display","codecs":[],"x":1})", "unknown field \"x\""},
         BadMessage{R"({"type":"frame_ack"})", "no \"frame\""},
         BadMessage{R"({"type":"frame_ack","frame":-1})", "/frame: found -1"},
         BadMessage{R"({"type":"frame_ack","frame":1.5})", "/frame: found 1.5"},
@@ -120,25 +131,59 @@ FrameHeader sample_header() {
   header.update_ms = 2.125;
   header.display_ms = 0.875;
   header.encode_ms = 3;
+  header.wait_ms = 0.5;
   return header;
+}
+
+Payload shared(std::vector<std::uint8_t> bytes) {
+  return std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+}
+
+TEST(FrameMessages, PartsOfAnImageComeBackWithTheirPlace) {
+  const Payload payload = shared({1, 2, 3, 4, 5});
+  FrameHeader header = sample_header();
+  header.part = {3, 5};
+  const std::vector<std::uint8_t> bytes = write_frame_message(header, payload, 2)->bytes();
+  const ParsedFrame frame = parse_frame_message(bytes, "frame");
+  EXPECT_EQ(frame.header, header);
+  EXPECT_EQ(std::vector(frame.payload.begin(), frame.payload.end()),
+            (std::vector<std::uint8_t>{4, 5}));
+  // More bytes than the whole image has from there.
+  std::vector<std::uint8_t> more = bytes;
+  more.push_back(6);
+  EXPECT_NE(error_of([&] { parse_frame_message(more, "frame"); }).find("3 bytes of a part"),
+            std::string::npos);
+}
+
+TEST(FrameMessages, StreamsSayTheirRungAndQuality) {
+  FrameHeader header = sample_header();
+  header.codec = Codec::vp8;
+  header.exact = header.key = false;
+  header.rung = 1;
+  header.quality = 20;
+  const std::vector<std::uint8_t> bytes = write_frame_message(header, shared({7}))->bytes();
+  EXPECT_EQ(parse_frame_message(bytes, "frame").header, header);
 }
 
 TEST(FrameMessages, HeaderAndPayloadComeBackAsTheyWereWritten) {
   const std::vector<std::uint8_t> payload{0, 255, 7, 123, 34};
-  const FramePtr message = write_frame_message(sample_header(), payload);
+  const FramePtr message = write_frame_message(sample_header(), shared(payload));
   EXPECT_EQ(message->frame, 41);
-  const ParsedFrame frame = parse_frame_message(message->bytes, "frame");
+  const std::vector<std::uint8_t> bytes = message->bytes();
+  EXPECT_EQ(bytes.size(), message->size());
+  const ParsedFrame frame = parse_frame_message(bytes, "frame");
   EXPECT_EQ(frame.header, sample_header());
   EXPECT_TRUE(
       std::equal(frame.payload.begin(), frame.payload.end(), payload.begin(), payload.end()));
 }
 
 TEST(FrameMessages, EveryTruncationOfTheHeaderIsAnError) {
-  const FramePtr message = write_frame_message(sample_header(), {});
-  const std::size_t whole = message->bytes.size();
+  const std::vector<std::uint8_t> message =
+      write_frame_message(sample_header(), shared({}))->bytes();
+  const std::size_t whole = message.size();
   ASSERT_GT(whole, 100u);
   for (std::size_t size = 0; size < whole; ++size) {
-    const std::span<const std::uint8_t> part(message->bytes.data(), size);
+    const std::span<const std::uint8_t> part(message.data(), size);
     EXPECT_NE(error_of([&] { parse_frame_message(part, "frame"); }), "no error") << size;
   }
 }

@@ -164,14 +164,15 @@ TEST(FrameMessages, SayWhatTheyDoNotShowWithinBounds) {
   FrameHeader header;
   header.width = header.height = 1;
   header.unshown = {"the moved camera", std::string(1000, 'x'), "\xff is not UTF-8"};
-  const FramePtr few = write_frame_message(header, {});
-  const auto read = parse_frame_message(few->bytes, "frame").header.unshown;
+  const auto payload = std::make_shared<const std::vector<std::uint8_t>>();
+  const FramePtr few = write_frame_message(header, payload);
+  const auto read = parse_frame_message(few->bytes(), "frame").header.unshown;
   ASSERT_EQ(read.size(), 3u);
   EXPECT_EQ(read[0], "the moved camera");
   EXPECT_EQ(read[1].size(), kLongestUnshown);
   header.unshown.assign(300, std::string(1000, 'y'));
-  const FramePtr many = write_frame_message(header, {});
-  const auto cut = parse_frame_message(many->bytes, "frame").header.unshown;
+  const FramePtr many = write_frame_message(header, payload);
+  const auto cut = parse_frame_message(many->bytes(), "frame").header.unshown;
   ASSERT_EQ(cut.size(), kMostUnshown);
   EXPECT_EQ(cut.back(), "285 things more");
 }

@@ -2,7 +2,9 @@ import { authorization, takeToken } from './access.js';
 import { Connection } from './connection.js';
 import { Controls } from './controls.js';
 import { CurveEditor } from './curve_editor.js';
+import { Display } from './display.js';
 import { Edits } from './edits.js';
+import { FrameDecoder } from './frame_decoder.js';
 import { Materials } from './materials.js';
 import { Measurements } from './measurements.js';
 import { Orbit } from './orbit.js';
@@ -29,6 +31,8 @@ function streamUrl(location) {
 const connection = new Connection(streamUrl(window.location));
 const edits = new Edits((message) => connection.send(message));
 const viewer = new Viewer(element('canvas'), element('stage'));
+const decoder = new FrameDecoder();
+const display = new Display((message) => connection.send(message));
 const measurements = new Measurements(document);
 const toasts = new Toasts(element('toasts'));
 const controls = new Controls(change);
@@ -104,6 +108,8 @@ function isNewer(message) {
 const handlers = {
   welcome(message) {
     newest = message;
+    decoder.reset();
+    display.tell();
     edits.restart();
     viewer.setSize(message.size);
     sceneCamera = message.camera;
@@ -139,14 +145,25 @@ connection.addEventListener('message', ({ detail }) => {
   showBusy();
 });
 
-connection.addEventListener('frame', async ({ detail }) => {
+/** Draws a frame; false when it is one part of an image that has not come whole. */
+async function show(frame) {
   try {
-    await viewer.draw(detail);
+    const picture = await decoder.decode(frame);
+    if (picture === null) return false;
+    viewer.draw(picture, frame.header);
+    picture.close();
   } catch (failure) {
-    toasts.say(`A frame could not be shown: ${failure.message}`);
+    if (frame.header.codec === 'vp8') display.giveUpVp8();
+    else toasts.say(`A frame could not be shown: ${failure.message}`);
   }
+  return true;
+}
+
+connection.addEventListener('frame', async ({ detail }) => {
+  const isShown = await show(detail);
   const now = performance.now();
   connection.send({ type: 'frame_ack', frame: detail.header.frame });
+  if (!isShown) return;
   measurements.show(detail.header, detail.bytes,
     edits.latencyOf(detail.header.revision, now), now);
   shown = detail.header;

@@ -16,11 +16,13 @@ export class Measurements {
   constructor(document) {
     const field = (name) => document.getElementById(`stat-${name}`);
     this.#fields = Object.fromEntries(
-      ['fps', 'latency', 'terms', 'exact', 'error', 'server'].map((name) => [name, field(name)]));
+      ['fps', 'latency', 'terms', 'exact', 'error', 'server', 'frame'].map((name) => [name, field(name)]));
     this.#quality = document.getElementById('quality');
   }
 
-  show(header, bytes, latencyMs, now) {
+  /** `bytes`: of the message; of a frame in parts, the image's. */
+  show(header, messageBytes, latencyMs, now) {
+    const bytes = header.part?.size ?? messageBytes;
     if (!header.exact) this.#times.push(now);
     while (this.#times.length > 0 && this.#times[0] < now - kWindowMs) this.#times.shift();
     if (latencyMs !== null && !header.exact) {
@@ -37,7 +39,10 @@ export class Measurements {
     this.#fields.exact.textContent = header.exact ? 'exact' : 'approximate';
     this.#fields.error.textContent =
       header.estimate === null ? '–' : `${(header.estimate * 100).toFixed(2)} %`;
-    this.#fields.server.textContent = `${work.toFixed(1)} ms, ${(bytes / 1024).toFixed(0)} KB`;
+    this.#fields.server.textContent = `${work.toFixed(1)} ms`;
+    const size = bytes < 10240 ? (bytes / 1024).toFixed(1) : (bytes / 1024).toFixed(0);
+    this.#fields.frame.textContent =
+      `${header.codec.toUpperCase()}, ${header.width} × ${header.height}, ${size} KB`;
     this.#quality.dataset.exact = String(header.exact);
     const unshown = header.unshown.length > 0 ? ` · not shown: ${header.unshown.join(', ')}` : '';
     this.#quality.textContent = (header.exact ? 'Exact' : 'In motion') + unshown;

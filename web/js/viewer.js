@@ -30,12 +30,11 @@ export class Viewer {
     this.#fit();
   }
 
-  /** Resolves when the frame is on the canvas; rejects when it cannot be decoded. */
-  async draw({ header, payload }) {
-    const bitmap = await createImageBitmap(new Blob([payload], { type: `image/${header.codec}` }));
-    this.setSize(header);
-    this.#context.drawImage(bitmap, 0, 0);
-    bitmap.close();
+  /** Draws a decoded frame; smaller ones are enlarged to the whole canvas. */
+  draw(picture, header) {
+    if (header.exact) this.setSize(header);
+    this.#context.imageSmoothingQuality = 'high';
+    this.#context.drawImage(picture, 0, 0, this.#canvas.width, this.#canvas.height);
   }
 
   #fit() {
