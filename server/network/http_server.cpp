@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
@@ -10,6 +11,7 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <csignal>
 #include <thread>
@@ -109,12 +111,13 @@ struct HttpServer::State {
         most_of_address(most_per_address(acceptor, settings)),
         signals(acceptor.get_executor()),
         timer(acceptor.get_executor()),
-        site{settings, hosts, files, sessions_, gate} {}
+        site{settings, hosts, files, sessions_, gate, disk, opening} {}
 
   const NetworkSettings settings;
   SessionRegistry& sessions;
   AddressLimit addresses;
   StopGate gate;  // outlives the coroutines that the context destroys after a hard stop
+  std::atomic<std::size_t> opening{0};
   net::io_context context;
   // The acceptor and what follows, but the address, are its strand's.
   Tcp::acceptor acceptor;
@@ -124,6 +127,7 @@ struct HttpServer::State {
   net::signal_set signals;
   net::steady_timer timer;  // of the housekeeping
   bool stopping = false;
+  net::thread_pool disk{1};  // ends before the context, to which its results go
   Site site;
 
   net::awaitable<void> accept();

@@ -1,6 +1,7 @@
 #include "server/network/http_session.h"
 
 #include <boost/asio/as_tuple.hpp>
+#include <boost/asio/co_spawn.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -9,7 +10,9 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <memory>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -25,6 +28,8 @@ namespace net = boost::asio;
 
 constexpr auto kAsTuple = net::as_tuple(net::use_awaitable);
 constexpr std::uint32_t kLargestHeader = 16 * 1024;
+/// Requests that wait for the store.
+constexpr std::size_t kMostOpening = 32;
 
 using Request = HttpSession::Request;
 using Response = HttpSession::Response;
@@ -92,6 +97,20 @@ Response refuse(const Request& request, const Refusal& refusal) {
   return response;
 }
 
+/// Runs work that may wait for a disk, away from the network's threads. Throws what it throws, and
+/// StoreError when too much waits already.
+template <typename Work>
+net::awaitable<std::invoke_result_t<Work>> on_disk_thread(const Site& site, Work work) {
+  using Result = std::invoke_result_t<Work>;
+  const auto leave = [](std::atomic<std::size_t>* opening) { --*opening; };
+  const std::unique_ptr<std::atomic<std::size_t>, decltype(leave)> place(&site.opening, leave);
+  if (++site.opening > kMostOpening) {
+    throw StoreError("server", "too many sessions that are being opened", "fewer; try again later");
+  }
+  co_return co_await net::co_spawn(
+      site.disk, [work]() -> net::awaitable<Result> { co_return work(); }, net::use_awaitable);
+}
+
 }  // namespace
 
 HttpSession::HttpSession(beast::tcp_stream stream, const Site& site)
@@ -123,7 +142,10 @@ net::awaitable<void> HttpSession::run() {
       co_await upgrade(std::move(request));
       co_return;
     }
-    const bool keep_alive = co_await answer(stream_, respond(request));
+    Response response = !refusing_ && is_state_target(view(request.target()))
+                            ? co_await respond_with_state(request)
+                            : respond(request);
+    const bool keep_alive = co_await answer(stream_, std::move(response));
     if (!keep_alive) break;
   }
   beast::error_code ignored;
@@ -167,22 +189,54 @@ net::awaitable<void> HttpSession::upgrade(Request request) {
 net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& target,
                                           const Access& access) {
   connection_ = std::make_shared<Connection>(std::move(stream_), site_.settings, access);
-  std::shared_ptr<DesignSession> session;
+  const Visitor visitor{access.name, access.role, target.resume, target.seen};
+  std::shared_ptr<DesignSession> session =
+      site_.sessions.join_open(target.session, target.scene, connection_, Clock::now(), visitor);
   Response refusal;
-  try {
-    session = site_.sessions.join(target.session, target.scene, connection_, Clock::now());
-    refusal = plain(request, http::status::service_unavailable,
-                    "all sessions of this server are in use; try again later");
-  } catch (const StoreError& error) {
-    refusal = plain(request, http::status::service_unavailable, error.what());
-  } catch (const Error& error) {
-    refusal = plain(request, http::status::not_found, error.what());
+  if (!session) {
+    const auto open = [&sessions = site_.sessions, target, visitor, client = connection_] {
+      return sessions.join(target.session, target.scene, client, Clock::now(), visitor);
+    };
+    try {
+      session = co_await on_disk_thread(site_, open);
+      refusal = plain(request, http::status::service_unavailable,
+                      "all sessions of this server are in use; try again later");
+    } catch (const StoreError& error) {
+      refusal = plain(request, http::status::service_unavailable, error.what());
+    } catch (const Error& error) {
+      refusal = plain(request, http::status::not_found, error.what());
+    }
   }
   if (session) {
     co_await connection_->run(std::move(request), std::move(session));
   } else {
     co_await answer(connection_->plain_stream(), std::move(refusal));
   }
+}
+
+/// A session's state, for who may open it.
+net::awaitable<Response> HttpSession::respond_with_state(const Request& request) {
+  Response response;
+  try {
+    const StreamTarget target = parse_state_target(view(request.target()));
+    const auto admitted = admit(request, target.token, target.session, site_.settings.keys.get());
+    if (const auto* const fault = std::get_if<Refusal>(&admitted))
+      co_return refuse(request, *fault);
+    if (request.method() != http::verb::get) {
+      co_return plain(request, http::status::method_not_allowed, "GET only");
+    }
+    const auto read = [&sessions = site_.sessions, target] {
+      return sessions.export_state(target.session, target.scene);
+    };
+    const std::optional<std::string> state = co_await on_disk_thread(site_, read);
+    response = state ? json_body(request, http::status::ok, *state)
+                     : plain(request, http::status::not_found, "there is no such session");
+  } catch (const StoreError& error) {
+    response = plain(request, http::status::service_unavailable, error.what());
+  } catch (const Error& error) {
+    response = plain(request, http::status::not_found, error.what());
+  }
+  co_return response;
 }
 
 Response HttpSession::respond(const Request& request) const {

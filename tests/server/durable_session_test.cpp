@@ -97,7 +97,8 @@ TEST_F(DurableSession, TheStoreGetsEachStateWithWhoChangedWhat) {
   EXPECT_EQ(second.scene + second.session, "spheres");
   EXPECT_EQ(second.before, (Revision{5, 1}));
   EXPECT_EQ(second.revision, (Revision{5, 2}));
-  EXPECT_EQ(second.author, "client 2");
+  EXPECT_EQ(second.author, "guest 2");
+  EXPECT_EQ(second.user, 2);
   EXPECT_GT(second.at_ms, 1'500'000'000'000);
   const json before = json::parse(store.edits[0].state), after = json::parse(second.state);
   EXPECT_EQ(after["exposure"], 2.0);
