@@ -107,8 +107,10 @@ net::awaitable<std::invoke_result_t<Work>> on_disk_thread(const Site& site, Work
   if (++site.opening > kMostOpening) {
     throw StoreError("server", "too many sessions that are being opened", "fewer; try again later");
   }
-  co_return co_await net::co_spawn(
-      site.disk, [work]() -> net::awaitable<Result> { co_return work(); }, net::use_awaitable);
+  // Named: GCC 12 destroys a temporary with captures twice when it is part of a co_await.
+  auto run = [work = std::move(work)]() -> net::awaitable<Result> { co_return work(); };
+  net::awaitable<Result> result = net::co_spawn(site.disk, std::move(run), net::use_awaitable);
+  co_return co_await std::move(result);
 }
 
 }  // namespace
@@ -142,9 +144,12 @@ net::awaitable<void> HttpSession::run() {
       co_await upgrade(std::move(request));
       co_return;
     }
-    Response response = !refusing_ && is_state_target(view(request.target()))
-                            ? co_await respond_with_state(request)
-                            : respond(request);
+    Response response;
+    if (!refusing_ && is_state_target(view(request.target()))) {
+      response = co_await respond_with_state(request);
+    } else {
+      response = respond(request);
+    }
     const bool keep_alive = co_await answer(stream_, std::move(response));
     if (!keep_alive) break;
   }
