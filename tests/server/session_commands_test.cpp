@@ -16,6 +16,7 @@
 namespace rimlight::server {
 namespace {
 
+using nlohmann::json;
 using rimlight::test::error_of;
 using test::DesignSessionTest;
 using test::KeepingClient;
