@@ -17,7 +17,7 @@ using test::store_one;
 
 /// As the first version made them, with a session of two edits.
 constexpr const char* kVersionOne = R"(
-PRAGMA application_id = 1382896756; PRAGMA user_version = 1; PRAGMA journal_mode = WAL;
+PRAGMA application_id = 1382894708; PRAGMA user_version = 1; PRAGMA journal_mode = WAL;
 CREATE TABLE sessions (
   id INTEGER PRIMARY KEY, scene TEXT NOT NULL, name TEXT NOT NULL,
   epoch INTEGER NOT NULL, revision INTEGER NOT NULL,
