@@ -1,7 +1,6 @@
 #include "server/network/http_session.h"
 
 #include <boost/asio/as_tuple.hpp>
-#include <boost/asio/co_spawn.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -10,13 +9,12 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
-#include <memory>
 #include <optional>
-#include <type_traits>
 #include <utility>
 #include <variant>
 
 #include "core/base/error.h"
+#include "server/network/disk_thread.h"
 #include "server/network/request_checks.h"
 
 namespace rimlight::server {
@@ -28,8 +26,6 @@ namespace net = boost::asio;
 
 constexpr auto kAsTuple = net::as_tuple(net::use_awaitable);
 constexpr std::uint32_t kLargestHeader = 16 * 1024;
-/// Requests that wait for the store.
-constexpr std::size_t kMostOpening = 32;
 
 using Request = HttpSession::Request;
 using Response = HttpSession::Response;
@@ -56,6 +52,12 @@ Response make_response(http::status status, unsigned version, bool keep_alive,
 Response plain(const Request& request, http::status status, std::string_view text) {
   return make_response(status, request.version(), request.keep_alive(), "text/plain; charset=utf-8",
                        std::string(text) + "\n");
+}
+
+Response try_later(const Request& request, std::string_view reason) {
+  Response response = plain(request, http::status::service_unavailable, reason);
+  response.set(http::field::retry_after, "5");
+  return response;
 }
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
@@ -95,22 +97,6 @@ Response refuse(const Request& request, const Refusal& refusal) {
     response.set(http::field::www_authenticate, "Bearer");
   }
   return response;
-}
-
-/// Runs work that may wait for a disk, away from the network's threads. Throws what it throws, and
-/// StoreError when too much waits already.
-template <typename Work>
-net::awaitable<std::invoke_result_t<Work>> on_disk_thread(const Site& site, Work work) {
-  using Result = std::invoke_result_t<Work>;
-  const auto leave = [](std::atomic<std::size_t>* opening) { --*opening; };
-  const std::unique_ptr<std::atomic<std::size_t>, decltype(leave)> place(&site.opening, leave);
-  if (++site.opening > kMostOpening) {
-    throw StoreError("server", "too many sessions that are being opened", "fewer; try again later");
-  }
-  // Named: GCC 12 destroys a temporary with captures twice when it is part of a co_await.
-  auto run = [work = std::move(work)]() -> net::awaitable<Result> { co_return work(); };
-  net::awaitable<Result> result = net::co_spawn(site.disk, std::move(run), net::use_awaitable);
-  co_return co_await std::move(result);
 }
 
 }  // namespace
@@ -204,10 +190,9 @@ net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& t
     };
     try {
       session = co_await on_disk_thread(site_, open);
-      refusal = plain(request, http::status::service_unavailable,
-                      "all sessions of this server are in use; try again later");
+      refusal = try_later(request, "this server has no room for another session; try again later");
     } catch (const StoreError& error) {
-      refusal = plain(request, http::status::service_unavailable, error.what());
+      refusal = try_later(request, error.what());
     } catch (const Error& error) {
       refusal = plain(request, http::status::not_found, error.what());
     }
@@ -237,7 +222,7 @@ net::awaitable<Response> HttpSession::respond_with_state(const Request& request)
     response = state ? json_body(request, http::status::ok, *state)
                      : plain(request, http::status::not_found, "there is no such session");
   } catch (const StoreError& error) {
-    response = plain(request, http::status::service_unavailable, error.what());
+    response = try_later(request, error.what());
   } catch (const Error& error) {
     response = plain(request, http::status::not_found, error.what());
   }
@@ -246,9 +231,7 @@ net::awaitable<Response> HttpSession::respond_with_state(const Request& request)
 
 Response HttpSession::respond(const Request& request) const {
   if (refusing_) {
-    Response response =
-        plain(request, http::status::service_unavailable, "too many connections; try again later");
-    response.set(http::field::retry_after, "5");
+    Response response = try_later(request, "too many connections; try again later");
     response.keep_alive(false);
     return response;
   }

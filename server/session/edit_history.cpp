@@ -69,7 +69,7 @@ EditStepPtr read_step(std::string_view text, std::int64_t ordinal, const std::st
   FieldChanges fields;
   for (const auto& [field, change] : reader.member("fields").members()) {
     const auto values = change.elements(2, 2);
-    if (!field.starts_with('/')) change.fail("a JSON Pointer");
+    if (!is_field(field)) change.fail("a change of a state's field");
     fields[field] = {values[0].value(), values[1].value()};
   }
   if (fields.empty()) reader.fail("a step of one or more fields");

@@ -1,5 +1,7 @@
 #include "server/session/field_changes.h"
 
+#include <algorithm>
+
 namespace rimlight::server {
 namespace {
 
@@ -33,6 +35,20 @@ void compare(const Pointer& at, const json& before, const json& after, int depth
 }
 
 }  // namespace
+
+bool is_field(const std::string& pointer) {
+  for (std::size_t at = pointer.find('~'); at != pointer.npos; at = pointer.find('~', at + 1)) {
+    if (at + 1 == pointer.size() || (pointer[at + 1] != '0' && pointer[at + 1] != '1'))
+      return false;
+  }
+  const auto depth = std::count(pointer.begin(), pointer.end(), '/');
+  if (pointer.starts_with("/material/load/")) return depth == 3;
+  if (pointer.starts_with("/material/parameter/") || pointer.starts_with("/material/curve/")) {
+    return depth == 4;
+  }
+  return pointer == "/rotation" || pointer == "/environment" || pointer == "/exposure" ||
+         pointer == "/view";
+}
 
 FieldChanges changed_fields(const json& before, const json& after) {
   FieldChanges changes;

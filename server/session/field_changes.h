@@ -18,6 +18,9 @@ struct FieldChange {
 };
 using FieldChanges = std::map<std::string, FieldChange>;
 
+/// Whether it points to one of those.
+bool is_field(const std::string& pointer);
+
 /// The fields in which two states differ.
 FieldChanges changed_fields(const nlohmann::json& before, const nlohmann::json& after);
 

@@ -37,6 +37,7 @@ std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
         session->join(client, now, visitor);
         return session;
       }
+      if (queue_.overload().stage(now) >= Overload::Stage::no_new_sessions) return nullptr;
       if (sessions_.size() >= settings_.most_sessions && longest_idle() == sessions_.end()) {
         return nullptr;
       }

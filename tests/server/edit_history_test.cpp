@@ -157,8 +157,12 @@ TEST(EditHistory, StepsAreReadAsTheyWereWrittenAndNothingElseIs) {
   const EditStep& step = *mine.done().back();
   EXPECT_EQ(*read_step(write_step(step), step.ordinal, "store"), step);
   for (const char* const wrong :
-       {"{", "[]", "{}", R"({"gesture":"","fields":{}})", R"({"gesture":1,"fields":{"/a":[1,2]}})",
-        R"({"gesture":"","fields":{"/a":[1]}})", R"({"gesture":"","fields":{"a":[1,2]}})"}) {
+       {"{", "[]", "{}", R"({"gesture":"","fields":{}})",
+        R"({"gesture":1,"fields":{"/view":[1,2]}})", R"({"gesture":"","fields":{"/view":[1]}})",
+        R"({"gesture":"","fields":{"a":[1,2]}})",
+        R"({"gesture":"","fields":{"/exposure/a":[1,2]}})", R"({"gesture":"","fields":{"":[1,2]}})",
+        R"({"gesture":"","fields":{"/material/load/a~2":[1,2]}})",
+        R"({"gesture":"","fields":{"/material/parameter/a":[1,2]}})"}) {
     EXPECT_NE(rimlight::test::error_of([&] { read_step(wrong, 1, "store"); }), "no error") << wrong;
   }
 }

@@ -164,20 +164,27 @@ TEST(StreamTargets, NameASessionAndAScene) {
 }
 
 TEST(StreamTargets, AnythingElseIsAnError) {
-  for (const std::string& target :
-       {std::string("/"), std::string("/sessions//stream"), std::string("/sessions/stream"),
-        std::string("/sessions/a"), std::string("/sessions/a/b/stream"),
-        std::string("/sessions/a%2fb/stream"), std::string("/sessions/ä/stream"),
-        std::string("/sessions/a/stream?scene="), std::string("/sessions/a/stream?scene=../x"),
-        std::string("/sessions/a/stream?scene=x&y=z"),
-        std::string("/sessions/a/stream?scene=x&scene=y"),
-        std::string("/sessions/a/stream?resume=short"),
-        "/sessions/a/stream?resume=" + std::string(64, 'E'),
-        std::string("/sessions/a/stream?seen=-1"), std::string("/sessions/a/stream?seen=1e3"),
-        std::string("/sessions/a/stream?seen=1234567890123456"),
-        std::string("/sessions/a/stream?seen=1&seen=1"), std::string("/sessions/a/state"),
-        std::string("/sessions/a/stream?token=x&token=y"), std::string("/sessions/a/stream?x=y"),
-        "/sessions/" + std::string(65, 'a') + "/stream"}) {
+  for (const std::string& target : {std::string("/"),
+                                    std::string("/sessions//stream"),
+                                    std::string("/sessions/stream"),
+                                    std::string("/sessions/a"),
+                                    std::string("/sessions/a/b/stream"),
+                                    std::string("/sessions/a%2fb/stream"),
+                                    std::string("/sessions/ä/stream"),
+                                    std::string("/sessions/a/stream?scene="),
+                                    std::string("/sessions/a/stream?scene=../x"),
+                                    std::string("/sessions/a/stream?scene=x&y=z"),
+                                    std::string("/sessions/a/stream?scene=x&scene=y"),
+                                    std::string("/sessions/a/stream?resume=short"),
+                                    "/sessions/a/stream?resume=" + std::string(64, 'E'),
+                                    std::string("/sessions/a/stream?seen=-1"),
+                                    std::string("/sessions/a/stream?seen=1e3"),
+                                    std::string("/sessions/a/stream?seen=1234567890123456"),
+                                    std::string("/sessions/a/stream?seen=1&seen=1"),
+                                    std::string("/sessions/a/state"),
+                                    std::string("/sessions/a/stream?token=x&token=y"),
+                                    std::string("/sessions/a/stream?x=y"),
+                                    "/sessions/" + std::string(65, 'a') + "/stream"}) {
     EXPECT_NE(error_of([&] { parse_stream_target(target); }), "no error") << target;
   }
   EXPECT_EQ(parse_stream_target("/sessions/" + std::string(64, 'a') + "/stream").session.size(),
