@@ -36,6 +36,7 @@ int run(int argc, char** argv) {
   rimlight::add_render_command(program, chosen);
   rimlight::add_report_command(program, chosen);
   rimlight::add_serve_command(program, chosen);
+  rimlight::add_sessions_command(program, chosen);
   rimlight::add_token_command(program, chosen);
   rimlight::add_load_command(program, chosen);
   try {

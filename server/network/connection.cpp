@@ -150,16 +150,12 @@ void Connection::handle(DesignSession& session, std::string_view text, Clock::ti
   try {
     const ClientMessage message =
         parse_client_message(text, session.scene().environments, session.materials());
-    const bool changes =
-        !std::holds_alternative<FrameAck>(message) && !std::holds_alternative<Ping>(message);
-    if (changes && session.finishing()) {
-      throw Error("server", "about to stop", "one that stays: connect again and send it again");
-    }
-    if (const auto* const edit = std::get_if<Edit>(&message)) {
-      if (access_.role < Role::editor) {
-        throw Error("message: /type", "an edit", "none: this access token only lets you watch");
+    if (const auto command = command_of(message)) {
+      if (session.finishing()) {
+        throw Error("server", "about to stop", "one that stays: connect again and send it again");
       }
-      session.apply(*this, *edit, now);
+      check_role(*command, access_.role);
+      session.apply(*this, *command, now);
       ++unanswered_;
     } else if (const auto* const ack = std::get_if<FrameAck>(&message)) {
       if (session.acknowledge(*this, ack->frame, now) == AckResult::not_in_flight) {
@@ -203,10 +199,20 @@ void Connection::send_answer(std::string text) {
   });
 }
 
-void Connection::send_state(std::string text) {
+void Connection::send_state(std::string text) { replace(&Connection::state_, std::move(text)); }
+
+void Connection::send_presence(std::string text) {
+  replace(&Connection::presence_, std::move(text));
+}
+
+void Connection::send_snapshots(std::string text) {
+  replace(&Connection::snapshots_, std::move(text));
+}
+
+void Connection::replace(std::optional<std::string> Connection::*waiting, std::string text) {
   net::dispatch(socket_.get_executor(),
-                [self = shared_from_this(), text = std::move(text)]() mutable {
-                  self->state_ = std::move(text);
+                [self = shared_from_this(), waiting, text = std::move(text)]() mutable {
+                  (*self).*waiting = std::move(text);
                   self->write_soon();
                 });
 }
@@ -256,19 +262,28 @@ void Connection::write_soon() {
   });
 }
 
+/// Replies, then the newest of the rest.
+std::optional<std::string> Connection::next_text() {
+  if (!texts_.empty()) {
+    std::string text = std::move(texts_.front());
+    texts_.pop_front();
+    if (texts_.size() + unanswered_ < kMostTexts) room_.cancel();
+    return text;
+  }
+  for (const auto waiting :
+       {&Connection::state_, &Connection::presence_, &Connection::snapshots_}) {
+    if (this->*waiting) return std::exchange(this->*waiting, std::nullopt);
+  }
+  return std::nullopt;
+}
+
 /// Writes what waits: replies, then the state, then the frame. After a failed write `writing_`
 /// stays set: nothing more goes to a broken socket.
 net::awaitable<void> Connection::write_waiting() {
   while (!ending_) {
     bool written = false;
-    if (!texts_.empty()) {
-      const std::string text = std::move(texts_.front());
-      texts_.pop_front();
-      if (texts_.size() + unanswered_ < kMostTexts) room_.cancel();
-      written = co_await write_text(text);
-    } else if (state_) {
-      const std::string text = *std::exchange(state_, std::nullopt);
-      written = co_await write_text(text);
+    if (const std::optional<std::string> text = next_text()) {
+      written = co_await write_text(*text);
     } else if (const FramePtr frame = std::exchange(frame_, nullptr)) {
       written = co_await write_frame(*frame);
     } else {

@@ -26,8 +26,8 @@ namespace rimlight::server {
 
 /// One client's WebSocket. Members are touched on its strand only; any thread may call the Client
 /// functions and stop(). What waits to be written is bounded: some text replies (while they are at
-/// their bound, with the edits that have no answer yet, nothing more is read), one state, one
-/// frame.
+/// their bound, with the edits that have no answer yet, nothing more is read), the newest
+/// state, presence and list of snapshots, one frame.
 class Connection final : public Client,
                          public Stoppable,
                          public std::enable_shared_from_this<Connection> {
@@ -47,6 +47,8 @@ class Connection final : public Client,
   void send_text(std::string text) override;
   void send_answer(std::string text) override;
   void send_state(std::string text) override;
+  void send_presence(std::string text) override;
+  void send_snapshots(std::string text) override;
   void send_frame(FramePtr frame) override;
   void stop() override;
 
@@ -56,6 +58,8 @@ class Connection final : public Client,
   boost::asio::awaitable<bool> wait_for_room();
   void receive(DesignSession& session, std::string_view text);
   void handle(DesignSession& session, std::string_view text, Clock::time_point now);
+  void replace(std::optional<std::string> Connection::*waiting, std::string text);
+  std::optional<std::string> next_text();
   void write_soon();
   boost::asio::awaitable<void> write_waiting();
   boost::asio::awaitable<bool> write_text(std::string_view text);
@@ -75,8 +79,8 @@ class Connection final : public Client,
   boost::asio::steady_timer expiry_;  // of the token
   EditAllowance allowance_;
   std::deque<std::string> texts_;
-  std::size_t unanswered_ = 0;  // edits that the session has taken
-  std::optional<std::string> state_;
+  std::size_t unanswered_ = 0;                               // edits that the session has taken
+  std::optional<std::string> state_, presence_, snapshots_;  // the newest of each
   FramePtr frame_;
   bool open_ = false;
   bool writing_ = false;

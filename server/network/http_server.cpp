@@ -9,6 +9,7 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <csignal>
 #include <thread>
@@ -109,12 +110,13 @@ struct HttpServer::State {
         most_of_address(most_per_address(acceptor, settings)),
         signals(acceptor.get_executor()),
         timer(acceptor.get_executor()),
-        site{settings, hosts, files, sessions_, gate, stopping} {}
+        site{settings, hosts, files, sessions_, gate, stopping, disk, opening} {}
 
   const NetworkSettings settings;
   SessionRegistry& sessions;
   AddressLimit addresses;
   StopGate gate;  // outlives the coroutines that the context destroys after a hard stop
+  std::atomic<std::size_t> opening{0};
   net::io_context context;
   // The acceptor and what follows, but the address, are its strand's.
   Tcp::acceptor acceptor;
@@ -126,6 +128,7 @@ struct HttpServer::State {
   std::atomic<bool> stopping{false};  // no new sessions
   bool closing = false;               // no sockets any more
   std::int64_t sockets = 0;           // so far: their ids in the log
+  net::thread_pool disk{1};           // ends before the context, to which its results go
   Site site;
 
   net::awaitable<void> accept();

@@ -16,6 +16,7 @@
 
 #include "core/base/error.h"
 #include "server/log/event_log.h"
+#include "server/network/disk_thread.h"
 #include "server/network/readiness.h"
 
 namespace rimlight::server {
@@ -85,6 +86,14 @@ bool is_malformed(const beast::error_code& error) {
          error != http::error::end_of_stream && error != http::error::partial_message;
 }
 
+/// Why a session cannot be opened or read.
+Refusal refusal_of(const Error& error) {
+  if (dynamic_cast<const StoreError*>(&error) != nullptr) {
+    return {http::status::service_unavailable, error.what(), RefusalReason::store, error.what()};
+  }
+  return {http::status::not_found, error.what(), RefusalReason::not_found, error.what()};
+}
+
 }  // namespace
 
 HttpSession::HttpSession(beast::tcp_stream stream, const Site& site, std::int64_t id)
@@ -125,7 +134,13 @@ net::awaitable<void> HttpSession::run() {
       co_await upgrade(std::move(request));
       co_return;
     }
-    const bool keep_alive = co_await answer(stream_, respond(request));
+    Response response;
+    if (!refusing_ && is_state_target(view(request.target()))) {
+      response = co_await respond_with_state(request);
+    } else {
+      response = respond(request);
+    }
+    const bool keep_alive = co_await answer(stream_, std::move(response));
     if (!keep_alive) break;
   }
   beast::error_code ignored;
@@ -172,23 +187,53 @@ net::awaitable<void> HttpSession::upgrade(Request request) {
 net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& target,
                                           const Access& access) {
   connection_ = std::make_shared<Connection>(std::move(stream_), site_.settings, access, id_);
-  std::shared_ptr<DesignSession> session;
+  const Visitor visitor{access.name, access.role, target.resume, target.seen};
+  std::shared_ptr<DesignSession> session =
+      site_.sessions.join_open(target.session, target.scene, connection_, Clock::now(), visitor);
   std::optional<Refusal> refusal;
-  try {
-    session = site_.sessions.join(target.session, target.scene, connection_, Clock::now());
-    refusal = {http::status::service_unavailable,
-               "this server has no room for another session; try again later",
-               RefusalReason::too_many_sessions};
-  } catch (const StoreError& error) {
-    refusal = {http::status::service_unavailable, error.what(), RefusalReason::store, error.what()};
-  } catch (const Error& error) {
-    refusal = {http::status::not_found, error.what(), RefusalReason::not_found, error.what()};
+  if (!session) {
+    const auto open = [&sessions = site_.sessions, target, visitor, client = connection_] {
+      return sessions.join(target.session, target.scene, client, Clock::now(), visitor);
+    };
+    try {
+      session = co_await on_disk_thread(site_, open);
+      refusal = {http::status::service_unavailable,
+                 "this server has no room for another session; try again later",
+                 RefusalReason::too_many_sessions};
+    } catch (const Error& error) {
+      refusal = refusal_of(error);
+    }
   }
   if (session) {
     co_await connection_->run(std::move(request), std::move(session));
   } else {
     co_await answer(connection_->plain_stream(), refuse(request, *refusal));
   }
+}
+
+/// A session's state, for who may open it.
+net::awaitable<Response> HttpSession::respond_with_state(const Request& request) {
+  std::optional<Refusal> refusal;
+  try {
+    const StreamTarget target = parse_state_target(view(request.target()));
+    const auto admitted = admit(request, target.token, target.session, site_.settings.keys.get());
+    if (const auto* const fault = std::get_if<Refusal>(&admitted)) {
+      co_return refuse(request, *fault);
+    }
+    if (request.method() != http::verb::get) {
+      co_return refuse(request,
+                       {http::status::method_not_allowed, "GET only", RefusalReason::method});
+    }
+    const auto read = [&sessions = site_.sessions, target] {
+      return sessions.export_state(target.session, target.scene);
+    };
+    const std::optional<std::string> state = co_await on_disk_thread(site_, read);
+    if (state) co_return json_body(request, http::status::ok, *state);
+    refusal = {http::status::not_found, "there is no such session", RefusalReason::not_found};
+  } catch (const Error& error) {
+    refusal = refusal_of(error);
+  }
+  co_return refuse(request, *refusal);
 }
 
 Response HttpSession::respond(const Request& request) const {

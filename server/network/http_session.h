@@ -5,6 +5,7 @@
 #include <atomic>
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
@@ -29,6 +30,8 @@ struct Site {
   SessionRegistry& sessions;
   StopGate& gate;
   const std::atomic<bool>& stopping;  // no new sessions, and /readyz says so
+  boost::asio::thread_pool& disk;     // one thread, for what waits for a disk
+  std::atomic<std::size_t>& opening;  // requests that wait for it
 };
 
 /// One accepted socket: answers HTTP requests until it is closed or becomes a WebSocket.
@@ -52,6 +55,7 @@ class HttpSession final : public Stoppable, public std::enable_shared_from_this<
   boost::asio::awaitable<void> connect(Request request, const StreamTarget& target,
                                        const Access& access);
   boost::asio::awaitable<bool> answer(boost::beast::tcp_stream& stream, Response response);
+  boost::asio::awaitable<Response> respond_with_state(const Request& request);
   Response respond(const Request& request) const;
   Response respond_to(const Request& request, std::string_view path, std::string_view query) const;
   Response refuse(const Request& request, const Refusal& refusal) const;

@@ -1,5 +1,6 @@
 #include "server/protocol/messages.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/json_reader.h"
@@ -20,8 +21,8 @@ std::string dump(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-std::string read_id(const JsonReader& message) {
-  const auto member = message.optional_member("id");
+std::string read_id(const JsonReader& message, const char* name = "id") {
+  const auto member = message.optional_member(name);
   if (!member) return {};
   std::string id = member->string();
   if (id.size() > kLongestId) member->fail("at most " + std::to_string(kLongestId) + " bytes");
@@ -39,9 +40,11 @@ Quaternion read_rotation(const JsonReader& reader) {
 
 Edit read_edit(const JsonReader& message, const std::vector<std::string>& environments,
                const KnownMaterials& materials) {
-  message.allow_only({"type", "id", "rotation", "environment", "exposure", "view", "material"});
+  message.allow_only(
+      {"type", "id", "gesture", "rotation", "environment", "exposure", "view", "material"});
   Edit edit;
   edit.id = read_id(message);
+  edit.gesture = read_id(message, "gesture");
   if (const auto member = message.optional_member("rotation")) {
     edit.rotation = read_rotation(*member);
   }
@@ -63,6 +66,59 @@ Edit read_edit(const JsonReader& message, const std::vector<std::string>& enviro
   return edit;
 }
 
+Travel read_travel(const JsonReader& message, Travel::Direction direction) {
+  message.allow_only({"type", "id"});
+  return {read_id(message), direction};
+}
+
+SnapshotCommand read_snapshot(const JsonReader& message) {
+  message.allow_only({"type", "id", "action", "name"});
+  static const std::vector<std::string> kActions{"make", "restore", "delete"};
+  constexpr SnapshotCommand::Action kMeaning[]{SnapshotCommand::Action::make,
+                                               SnapshotCommand::Action::restore,
+                                               SnapshotCommand::Action::remove};
+  const JsonReader name = message.member("name");
+  SnapshotCommand command{read_id(message), kMeaning[message.member("action").one_of(kActions)],
+                          name.string()};
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 0x7f; };
+  if (command.name.empty() || command.name.size() > kLongestSnapshotName ||
+      std::ranges::any_of(command.name, is_control)) {
+    name.fail("1 to " + std::to_string(kLongestSnapshotName) + " bytes on one line");
+  }
+  return command;
+}
+
+/// What a state in JSON has of materials, on top of none.
+void read_materials(const JsonReader& material, const KnownMaterials& known, DesignState& state) {
+  const auto is_empty = [&](const char* part) {
+    const auto member = material.optional_member(part);
+    return !member || member->members().empty();
+  };
+  if (is_empty("parameter") && is_empty("curve") && is_empty("load")) return;
+  apply_material(read_material(material, known), state.materials);
+}
+
+/// A whole state, held to the rules of edits.
+Import read_import(const JsonReader& message, const std::vector<std::string>& environments,
+                   const KnownMaterials& materials) {
+  constexpr double kUnit = 1e-9;  // a rotation as near as this to unit length keeps its bits
+  message.allow_only({"type", "id", "state"});
+  const JsonReader state = message.member("state");
+  state.allow_only({"rotation", "environment", "exposure", "view", "material"});
+  Import import{read_id(message), {}};
+  const std::vector<double> q =
+      state.member("rotation").numbers(4, -kLargestComponent, kLargestComponent);
+  import.state.rotation = {q[0], q[1], q[2], q[3]};
+  if (!(std::abs(norm(import.state.rotation) - 1) <= kUnit)) {
+    import.state.rotation = read_rotation(state.member("rotation"));
+  }
+  import.state.environment = environments[state.member("environment").one_of(environments)];
+  import.state.exposure_stops = state.member("exposure").number(-kExposureRange, kExposureRange);
+  import.state.view = read_view(state.member("view"));
+  read_materials(state.member("material"), materials, import.state);
+  return import;
+}
+
 json with_revision(const char* type, const Revision& revision) {
   return {{"type", type}, {"epoch", revision.epoch}, {"revision", revision.number}};
 }
@@ -80,7 +136,8 @@ ClientMessage parse_client_message(std::string_view text,
                                    const KnownMaterials& materials) {
   const json document = parse_json(text, "message");
   const JsonReader message(document, "message");
-  static const std::vector<std::string> kTypes{"edit", "frame_ack", "ping", "display"};
+  static const std::vector<std::string> kTypes{"edit", "frame_ack", "ping",   "undo",
+                                               "redo", "snapshot",  "import", "display"};
   switch (message.member("type").one_of(kTypes)) {
     case 0:
       return read_edit(message, environments, materials);
@@ -90,6 +147,14 @@ ClientMessage parse_client_message(std::string_view text,
     case 2:
       message.allow_only({"type", "id"});
       return Ping{read_id(message)};
+    case 3:
+      return read_travel(message, Travel::Direction::undo);
+    case 4:
+      return read_travel(message, Travel::Direction::redo);
+    case 5:
+      return read_snapshot(message);
+    case 6:
+      return read_import(message, environments, materials);
     default:
       return read_display(message);
   }
@@ -122,13 +187,7 @@ DesignState read_state(const JsonReader& reader) {
   state.environment = reader.member("environment").string();
   state.exposure_stops = reader.member("exposure").number(-kExposureRange, kExposureRange);
   state.view = read_view(reader.member("view"));
-  const JsonReader material = reader.member("material");
-  const auto is_empty = [&](const char* part) {
-    const auto member = material.optional_member(part);
-    return !member || member->members().empty();
-  };
-  if (is_empty("parameter") && is_empty("curve") && is_empty("load")) return state;
-  apply_material(read_material(material, {}), state.materials);
+  read_materials(reader.member("material"), {}, state);
   return state;
 }
 
@@ -158,20 +217,43 @@ std::string write_welcome(const Welcome& welcome) {
   }
   message["measured"] = welcome.measured;
   message["state"] = state_to_json(welcome.state);
+  message["by"] = author_to_json(welcome.author);
+  message["you"] = present_to_json(welcome.you);
+  message["resume"] = welcome.resume;
+  message["resumed"] = welcome.resumed;
+  message["missed"] = welcome.missed ? json(*welcome.missed) : json();
+  message["history"] = depth_to_json(welcome.history);
+  message["snapshots"] = labels_to_json(welcome.snapshots);
+  add_presence(welcome.present, message);
   return dump(message);
 }
 
-std::string write_ack(std::string_view id, const Revision& revision, const DesignState& state) {
+std::string write_ack(std::string_view id, const Revision& revision, const DesignState& state,
+                      const Author& author, const HistoryDepth& history) {
   json message = with_revision("ack", revision);
   message["id"] = id;
+  message["by"] = author_to_json(author);
+  message["history"] = depth_to_json(history);
   message["state"] = state_to_json(state);
   return dump(message);
 }
 
-std::string write_state(const Revision& revision, const DesignState& state) {
+std::string write_state(const Revision& revision, const DesignState& state, const Author& author) {
   json message = with_revision("state", revision);
+  message["by"] = author_to_json(author);
   message["state"] = state_to_json(state);
   return dump(message);
+}
+
+std::string write_export(const std::string& scene, const std::string& session,
+                         const Revision& revision, const DesignState& state) {
+  return dump({{"format", "rimlight session 1"},
+               {"scene", scene},
+               {"session", session},
+               {"epoch", revision.epoch},
+               {"revision", revision.number},
+               {"state", state_to_json(state)}}) +
+         "\n";
 }
 
 std::string write_pong(std::string_view id) { return dump({{"type", "pong"}, {"id", id}}); }

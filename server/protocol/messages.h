@@ -13,8 +13,10 @@
 #include "core/relight/design_state.h"
 #include "core/transport/curve_receivers.h"
 #include "core/transport/vertex_transport.h"
+#include "server/protocol/commands.h"
 #include "server/protocol/display_message.h"
 #include "server/protocol/material_edits.h"
+#include "server/protocol/people.h"
 #include "server/protocol/view_edits.h"
 
 namespace rimlight::server {
@@ -23,7 +25,7 @@ namespace rimlight::server {
 
 /// Clients may send text messages of at most this size; larger ones end the connection.
 inline constexpr std::size_t kLargestMessage = 64 * 1024;
-/// Longest "id" of an edit or a ping, in bytes.
+/// Longest "id" of a message, and "gesture" of an edit, in bytes.
 inline constexpr std::size_t kLongestId = 64;
 /// Exposure stays within ± this many stops.
 inline constexpr double kExposureRange = 20;
@@ -47,6 +49,9 @@ struct Edit {
   std::optional<double> exposure_stops;
   std::optional<std::optional<Camera>> view = {};  // no camera inside: the scene's own again
   MaterialEdits materials = {};
+  /// The client's name for a drag, or anything else that is undone at once: edits of one that
+  /// follow each other are one step. Empty: a step of its own.
+  std::string gesture = {};
 
   friend bool operator==(const Edit&, const Edit&) = default;
 };
@@ -65,7 +70,16 @@ struct Ping {
   friend bool operator==(const Ping&, const Ping&) = default;
 };
 
-using ClientMessage = std::variant<Edit, FrameAck, Ping, Display>;
+using ClientMessage = std::variant<Edit, FrameAck, Ping, Travel, SnapshotCommand, Import, Display>;
+/// What makes a revision.
+using Command = std::variant<Edit, Travel, SnapshotCommand, Import>;
+
+/// The command in a message, if it is one.
+std::optional<Command> command_of(const ClientMessage& message);
+const std::string& id_of(const Command& command);
+/// Throws Error for one that only a greater role may ask for: editors edit, undo and make
+/// snapshots; owners import, and restore and delete snapshots.
+void check_role(const Command& command, Role role);
 
 /// Reads one text message of a client. Throws Error, where() naming the field: malformed JSON, an
 /// unknown type or field, a rotation that is not finite or cannot be normalised, an environment
@@ -96,13 +110,26 @@ struct Welcome {
   std::vector<std::string> measured;      // what they may load
   DesignState state;
   Revision revision;
+  Author author = {};  // of the revision
+  Present you = {};
+  std::string resume = {};                  // resume token
+  bool resumed = false;                     // by the one that the client came with
+  std::optional<std::int64_t> missed = {};  // revisions since the one that the client had seen
+  HistoryDepth history = {};                // of the client's user
+  std::vector<SnapshotLabel> snapshots = {};
+  std::vector<Present> present = {};
 };
 
 std::string write_welcome(const Welcome& welcome);
 /// To the client whose edit became `revision`; the state is the session's after it.
-std::string write_ack(std::string_view id, const Revision& revision, const DesignState& state);
+std::string write_ack(std::string_view id, const Revision& revision, const DesignState& state,
+                      const Author& author = {}, const HistoryDepth& history = {});
 /// To the other clients of the session.
-std::string write_state(const Revision& revision, const DesignState& state);
+std::string write_state(const Revision& revision, const DesignState& state,
+                        const Author& author = {});
+/// What a file gets: {"format", "scene", "session", "revision", "state"}.
+std::string write_export(const std::string& scene, const std::string& session,
+                         const Revision& revision, const DesignState& state);
 std::string write_pong(std::string_view id);
 /// An edge's answer to an Error; the connection goes on.
 std::string write_error(const Error& error, const std::optional<std::string>& id);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -9,11 +11,13 @@ namespace rimlight::server {
 bool is_valid_name(std::string_view name);
 
 /// What the target of a WebSocket request asks for:
-/// /sessions/{session}/stream?scene={scene}&token={token}.
+/// /sessions/{session}/stream?scene={scene}&token={token}&resume={resume}&seen={revision}.
 struct StreamTarget {
   std::string session;
-  std::string scene{};  // empty: the default one
-  std::string token{};  // as it was given; empty without one
+  std::string scene{};                 // empty: the default one
+  std::string token{};                 // as it was given; empty without one
+  std::string resume{};                // a resume token; empty without one
+  std::optional<std::int64_t> seen{};  // the number of the last revision that the client has
 
   friend bool operator==(const StreamTarget&, const StreamTarget&) = default;
 };
@@ -22,5 +26,10 @@ struct StreamTarget {
 /// found in the parameters, which may be a secret. Names and tokens never need percent-encoding, so
 /// that '%' is refused in names like any other character outside the set.
 StreamTarget parse_stream_target(std::string_view target);
+
+/// Whether the path is one that parse_state_target() is for.
+bool is_state_target(std::string_view target);
+/// The same of the HTTP request for a session's state: /sessions/{session}/state?scene={scene}.
+StreamTarget parse_state_target(std::string_view target);
 
 }  // namespace rimlight::server

@@ -14,6 +14,15 @@ double milliseconds(Clock::duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
 
+/// In the epoch of this life of the session.
+SessionVersion version_in(std::int64_t epoch, const ServedScene& scene, const KeptSession& kept) {
+  DesignState state;
+  state.environment = scene.environments.front();
+  SessionVersion version = kept.version ? *kept.version : first_version(std::move(state), {});
+  version.revision.epoch = epoch;
+  return version;
+}
+
 }  // namespace
 
 DesignSession::DesignSession(std::string name, const ServedScene& scene, std::int64_t epoch,
@@ -24,12 +33,15 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
       materials_(known_materials(scene)),
       settings_(settings),
       queue_(queue),
+      version_(version_in(epoch, scene, kept)),
+      revision_(version_.revision),
+      users_(version_),
       viewers_(scene.width, scene.height),
       maker_(scene, settings.jpeg_quality, queue, settings.metrics) {
-  if (kept.store != nullptr) waiting_.emplace(*kept.store, scene.name, name_, kept.revision);
-  state_ = kept.state;
-  if (kept.revision.number == 0) state_.environment = scene.environments.front();
-  revision_ = {epoch, kept.revision.number};
+  if (kept.store != nullptr) {
+    waiting_.emplace(*kept.store, scene.name, name_,
+                     kept.version ? kept.version->revision : Revision{});
+  }
   moving_revision_ = revision_.number;  // the first frame is the exact one
   newest_revision_ = revision_.number;
   viewers_.expect(revision_);
@@ -43,13 +55,14 @@ DesignSession::~DesignSession() { settings_.metrics->session_closed(); }
 // Messages are handed over under the mutex, so that every client sees revisions in order; the calls
 // only post to the client's strand.
 
-void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_point now) {
+void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_point now,
+                         const Visitor& visitor) {
   const std::lock_guard lock(mutex_);
+  const SessionUsers::Entered entered = users_.enter(*client, visitor);
   idle_since_.reset();
   viewers_.join(client);
-  client->send_text(write_welcome({name_, scene_.name, scene_.environments, scene_.width,
-                                   scene_.height, scene_.camera, scene_.any_view, scene_.materials,
-                                   scene_.editable, materials_.measured, state_, revision_}));
+  client->send_text(write_welcome(welcome_for(entered, visitor)));
+  tell_presence(client.get());
   if (exact_revision_ == revision_.number) {
     if (viewers_.has_exact()) {
       viewers_.offer_newest(*client, now);
@@ -60,29 +73,57 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
   reschedule(now);
 }
 
+Welcome DesignSession::welcome_for(const SessionUsers::Entered& entered,
+                                   const Visitor& visitor) const {
+  Welcome welcome{name_,           scene_.name,         scene_.environments, scene_.width,
+                  scene_.height,   scene_.camera,       scene_.any_view,     scene_.materials,
+                  scene_.editable, materials_.measured, version_.state,      revision_};
+  welcome.author = version_.author;
+  welcome.you = {entered.user.author, visitor.role};
+  welcome.resume = entered.resume;
+  welcome.resumed = entered.resumed;
+  if (entered.resumed && visitor.seen) welcome.missed = revision_.number - *visitor.seen;
+  welcome.history = version_.depth_of(entered.user.author.number);
+  welcome.snapshots = version_.labels();
+  welcome.present = users_.present();
+  return welcome;
+}
+
+void DesignSession::tell_presence(const Client* except) {
+  std::string text = write_presence(users_.present());
+  if (text == presence_) return;
+  presence_ = std::move(text);
+  for (const Viewers::Viewer& viewer : viewers_) {
+    if (viewer.client.get() != except) viewer.client->send_presence(presence_);
+  }
+}
+
 void DesignSession::leave(const Client& client, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   viewers_.leave(client);
+  users_.leave(client);
+  tell_presence(nullptr);
   if (viewers_.empty()) ages_.forget();
   if (viewers_.empty() && (!waiting_ || waiting_->empty())) idle_since_ = now;
   reschedule(now);
 }
 
-void DesignSession::apply(const Client& client, const Edit& edit, Clock::time_point now) {
+void DesignSession::apply(const Client& client, const Command& command, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   const Viewers::Viewer* const viewer = viewers_.find(client);
   const std::shared_ptr<Client> sender = viewer == nullptr ? nullptr : viewer->client;
-  if (waiting_) {
-    const std::string author = "client " + std::to_string(viewer == nullptr ? 0 : viewer->number);
-    waiting_->add(edit, sender, author, state_, revision_,
-                  [self = shared_from_this(), now](const std::optional<StoreError>& refusal) {
-                    self->settle(refusal, now);
-                  });
+  const std::int64_t at_ms = milliseconds_since_1970();
+  const SessionVersion& base = waiting_ ? waiting_->newest(version_) : version_;
+  WaitingEdit edit{sender, id_of(command),
+                   next_version(base, command, users_.of(client), scene_.environments, at_ms)};
+  if (!waiting_) {
+    show(edit, now, now);
     return;
   }
-  WaitingEdit applied{sender, edit.id, {revision_.epoch, revision_.number + 1}, state_};
-  apply_edit(edit, applied.state);
-  show(applied, now, now);
+  waiting_->add(std::move(edit), base, at_ms,
+                [self = shared_from_this(), now](const std::optional<StoreError>& refusal) {
+                  self->settle(refusal, now);
+                });
 }
 
 void DesignSession::settle(const std::optional<StoreError>& refusal, Clock::time_point arrived) {
@@ -106,20 +147,29 @@ void DesignSession::show(const WaitingEdit& edit, Clock::time_point arrived,
                          Clock::time_point now) {
   settings_.metrics->edit_applied();
   if (!viewers_.empty()) ages_.edited(arrived);
-  state_ = edit.state;
-  revision_ = edit.revision;
+  const bool has_other_snapshots = version_.snapshots != edit.version.snapshots;
+  version_ = edit.version;
+  revision_ = version_.revision;
   newest_revision_.store(revision_.number, std::memory_order_relaxed);
   viewers_.expect(revision_);
   last_edit_ = now;
   const std::shared_ptr<Client> sender = edit.client.lock();
+  const std::string state = write_state(revision_, version_.state, version_.author);
   for (const Viewers::Viewer& viewer : viewers_) {
     if (viewer.client == sender) {
-      viewer.client->send_answer(write_ack(edit.id, revision_, state_));
+      viewer.client->send_answer(write_ack(edit.id, revision_, version_.state, version_.author,
+                                           version_.depth_of(version_.author.number)));
     } else {
-      viewer.client->send_state(write_state(revision_, state_));
+      viewer.client->send_state(state);
     }
+    if (has_other_snapshots) viewer.client->send_snapshots(write_snapshots(version_.labels()));
   }
   reschedule(now);
+}
+
+std::string DesignSession::export_state() const {
+  const std::lock_guard lock(mutex_);
+  return write_export(scene_.name, name_, revision_, version_.state);
 }
 
 AckResult DesignSession::acknowledge(const Client& client, std::int64_t frame,
@@ -183,7 +233,7 @@ void DesignSession::reschedule(Clock::time_point now) {
 }
 
 DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
-  Task task{Work::none, {state_, revision_}};
+  Task task{Work::none, {version_.state, revision_}};
   if (closed_.load()) return task;
   if (moving_since_) {
     task.kind = Work::moving;

@@ -14,6 +14,8 @@
 #include "server/session/client.h"
 #include "server/session/frame_maker.h"
 #include "server/session/scene_catalog.h"
+#include "server/session/session_users.h"
+#include "server/session/session_version.h"
 #include "server/session/viewers.h"
 #include "server/session/waiting_edits.h"
 
@@ -28,8 +30,7 @@ struct SessionSettings {
 /// Where edits of a session are kept, and what is there already.
 struct KeptSession {
   SessionStore* store = nullptr;  // must outlive the session; without one it lives in memory
-  Revision revision = {};         // number 0: the store has none
-  DesignState state = {};         // at that revision
+  std::optional<SessionVersion> version = {};  // none: the store has none
 };
 
 /// Shared state that clients edit, and the frames that show it. Edits apply in order, each a new
@@ -51,18 +52,21 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   /// What edits may name.
   const KnownMaterials& materials() const { return materials_; }
 
-  /// Sends the welcome and, when there is one, the current exact frame.
-  void join(const std::shared_ptr<Client>& client, Clock::time_point now);
+  /// Sends the welcome and, when there is one, the current exact frame; tells the others.
+  void join(const std::shared_ptr<Client>& client, Clock::time_point now,
+            const Visitor& visitor = {});
   void leave(const Client& client, Clock::time_point now);
-  /// Sets the state, sends the ack to `client` and the state to the others: at once, or with a
-  /// store when the edit is durable; if it is refused, the client gets the error. Throws Error, and
-  /// changes nothing, where apply_edit() and SessionStore::append() do.
-  void apply(const Client& client, const Edit& edit, Clock::time_point now);
+  /// Makes the next revision, sends the ack to `client` and the state to the others: at once, or
+  /// with a store when it is durable; if it is refused, the client gets the error. Throws Error,
+  /// and changes nothing, where next_version() and SessionStore::append() do.
+  void apply(const Client& client, const Command& command, Clock::time_point now);
   [[nodiscard]] AckResult acknowledge(const Client& client, std::int64_t frame,
                                       Clock::time_point now);
   /// What the client can show, from now on.
   void set_display(const Client& client, const Display& display, Clock::time_point now);
 
+  /// The state as a file has it: write_export().
+  std::string export_state() const;
   /// Since when nobody has it open; nothing when somebody has, or an edit is not durable yet.
   std::optional<Clock::time_point> idle_since() const;
   /// From now on clients' edits are not to be handed over: the last state is shown, and that is
@@ -87,6 +91,8 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   // All of these are called with the mutex held.
   void reschedule(Clock::time_point now);
   void show(const WaitingEdit& edit, Clock::time_point arrived, Clock::time_point now);
+  Welcome welcome_for(const SessionUsers::Entered& entered, const Visitor& visitor) const;
+  void tell_presence(const Client* except);
   Task begin_task(Clock::time_point now);
 
   /// What the store says of the oldest edit that waits.
@@ -106,8 +112,10 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   RenderQueue& queue_;
 
   mutable std::mutex mutex_;
-  DesignState state_;
-  Revision revision_;
+  SessionVersion version_;
+  Revision revision_;  // the version's
+  SessionUsers users_;
+  std::string presence_;  // as it was told last
   Clock::time_point last_edit_;
   std::int64_t moving_revision_ = 0;     // newest revision that a frame shows, or need not
   std::int64_t exact_revision_ = kNone;  // newest revision that an exact frame shows

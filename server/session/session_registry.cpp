@@ -17,7 +17,8 @@ SessionRegistry::~SessionRegistry() { close_all(); }
 std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
                                                      const std::string& scene,
                                                      const std::shared_ptr<Client>& client,
-                                                     Clock::time_point now) {
+                                                     Clock::time_point now,
+                                                     const Visitor& visitor) {
   const ServedScene* const served = scenes_.find(scene);
   if (served == nullptr) {
     if (store_ != nullptr && store_->load(scene, name)) {
@@ -27,28 +28,70 @@ std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
     throw Error("URL", "the scene " + quote(scene), "one that /api/scenes lists");
   }
   // The client joins under the lock, so that no session is dropped between being found and used.
-  const std::lock_guard lock(mutex_);
   const Key key{served->name, name};
-  auto found = sessions_.find(key);
-  if (found == sessions_.end()) {
-    if (queue_.overload().stage(now) >= Overload::Stage::no_new_sessions) return nullptr;
-    if (sessions_.size() >= settings_.most_sessions && !make_room()) return nullptr;
+  for (;;) {
+    std::int64_t drops = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      if (const auto session = find(key)) {
+        session->join(client, now, visitor);
+        return session;
+      }
+      if (queue_.overload().stage(now) >= Overload::Stage::no_new_sessions) return nullptr;
+      if (sessions_.size() >= settings_.most_sessions && longest_idle() == sessions_.end()) {
+        return nullptr;
+      }
+      drops = drops_;
+    }
     const KeptSession kept = load(*served, name);
-    auto session = std::make_shared<DesignSession>(name, *served, next_epoch(kept.revision.epoch),
-                                                   settings_.session, queue_, kept);
-    if (finishing_) session->finish();
-    found = sessions_.emplace(key, std::move(session)).first;
+    const std::lock_guard lock(mutex_);
+    std::shared_ptr<DesignSession> session = find(key);
+    if (!session) {
+      if (drops != drops_) continue;  // it may have been opened, edited and dropped meanwhile
+      if (sessions_.size() >= settings_.most_sessions && !make_room()) return nullptr;
+      const std::int64_t epoch = next_epoch(kept.version ? kept.version->revision.epoch : 0);
+      session =
+          std::make_shared<DesignSession>(name, *served, epoch, settings_.session, queue_, kept);
+      if (finishing_) session->finish();
+      sessions_.emplace(key, session);
+    }
+    session->join(client, now, visitor);
+    return session;
   }
-  found->second->join(client, now);
-  return found->second;
+}
+
+std::shared_ptr<DesignSession> SessionRegistry::join_open(const std::string& name,
+                                                          const std::string& scene,
+                                                          const std::shared_ptr<Client>& client,
+                                                          Clock::time_point now,
+                                                          const Visitor& visitor) {
+  const ServedScene* const served = scenes_.find(scene);
+  if (served == nullptr) return nullptr;
+  const std::lock_guard lock(mutex_);
+  auto session = find({served->name, name});
+  if (session) session->join(client, now, visitor);
+  return session;
+}
+
+std::optional<std::string> SessionRegistry::export_state(const std::string& name,
+                                                         const std::string& scene) {
+  const ServedScene* const served = scenes_.find(scene);
+  if (served == nullptr) return std::nullopt;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto session = find({served->name, name})) return session->export_state();
+  }
+  const KeptSession kept = load(*served, name);
+  if (!kept.version) return std::nullopt;
+  return write_export(served->name, name, kept.version->revision, kept.version->state);
 }
 
 void SessionRegistry::drop_idle(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(sessions_, [&](const auto& entry) {
+  drops_ += static_cast<std::int64_t>(std::erase_if(sessions_, [&](const auto& entry) {
     const auto since = entry.second->idle_since();
     return since && now - *since >= settings_.idle;
-  });
+  }));
 }
 
 void SessionRegistry::finish() {
@@ -77,8 +120,14 @@ std::optional<std::string> SessionRegistry::store_trouble() const {
   return store_ == nullptr ? std::nullopt : store_->trouble();
 }
 
-/// Drops the session that has been idle longest; false when all are in use.
-bool SessionRegistry::make_room() {
+/// Null when it is not open.
+std::shared_ptr<DesignSession> SessionRegistry::find(const Key& key) const {
+  const auto found = sessions_.find(key);
+  return found == sessions_.end() ? nullptr : found->second;
+}
+
+/// The end when all are in use.
+auto SessionRegistry::longest_idle() -> std::map<Key, std::shared_ptr<DesignSession>>::iterator {
   auto oldest = sessions_.end();
   Clock::time_point oldest_since = Clock::time_point::max();
   for (auto entry = sessions_.begin(); entry != sessions_.end(); ++entry) {
@@ -88,8 +137,15 @@ bool SessionRegistry::make_room() {
       oldest_since = *since;
     }
   }
+  return oldest;
+}
+
+/// Drops the session that has been idle longest; false when all are in use.
+bool SessionRegistry::make_room() {
+  const auto oldest = longest_idle();
   if (oldest == sessions_.end()) return false;
   sessions_.erase(oldest);
+  ++drops_;
   return true;
 }
 
@@ -98,15 +154,7 @@ KeptSession SessionRegistry::load(const ServedScene& scene, const std::string& n
   if (store_ == nullptr) return {};
   const std::optional<StoredSession> stored = store_->load(scene.name, name);
   if (!stored) return {store_};
-  const std::string where = "session " + quote(name);
-  if (stored->revision.number < 1 || stored->revision.number > kLargestWhole ||
-      stored->revision.epoch < 0 || stored->revision.epoch > kLargestWhole) {
-    throw Error(where, "revision " + std::to_string(stored->revision.number), "a whole store");
-  }
-  const nlohmann::json document = parse_json(stored->state, where);
-  const JsonReader state(document, where);
-  (void)state.member("environment").one_of(scene.environments);
-  return {store_, stored->revision, read_state(state)};
+  return {store_, read_version(*stored, scene.environments, "session " + quote(name))};
 }
 
 /// Microseconds since 1970, and always later than the last and than the stored one: unique over

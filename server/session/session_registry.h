@@ -33,10 +33,22 @@ class SessionRegistry {
   /// sessions in use: a refusal that a client may retry. Throws StoreError when the store cannot
   /// be read, which it may retry too, and Error for an unknown scene, or a session that the scene
   /// cannot show any more.
+  /// Reads the store, where the session is not open, without holding up others that are.
   [[nodiscard]] std::shared_ptr<DesignSession> join(const std::string& name,
                                                     const std::string& scene,
                                                     const std::shared_ptr<Client>& client,
-                                                    Clock::time_point now);
+                                                    Clock::time_point now,
+                                                    const Visitor& visitor = {});
+  /// The same for a session that is open; null, and nothing is done, when it is not. Never reads
+  /// the store.
+  [[nodiscard]] std::shared_ptr<DesignSession> join_open(const std::string& name,
+                                                         const std::string& scene,
+                                                         const std::shared_ptr<Client>& client,
+                                                         Clock::time_point now,
+                                                         const Visitor& visitor = {});
+  /// The session's state, as write_export() has it, from the store when it is not open; nothing
+  /// when there is no such session. Throws as join() does.
+  std::optional<std::string> export_state(const std::string& name, const std::string& scene);
   /// Forgets sessions that have been idle for too long.
   void drop_idle(Clock::time_point now);
   /// Sessions take no more edits, later ones too: DesignSession::finish().
@@ -53,6 +65,8 @@ class SessionRegistry {
  private:
   using Key = std::pair<std::string, std::string>;  // scene, session
 
+  std::shared_ptr<DesignSession> find(const Key& key) const;
+  std::map<Key, std::shared_ptr<DesignSession>>::iterator longest_idle();
   bool make_room();
   KeptSession load(const ServedScene& scene, const std::string& name);
   std::int64_t next_epoch(std::int64_t stored);
@@ -65,6 +79,7 @@ class SessionRegistry {
   std::map<Key, std::shared_ptr<DesignSession>> sessions_;
   std::int64_t last_epoch_ = 0;
   bool finishing_ = false;
+  std::int64_t drops_ = 0;  // of sessions: what was read of the store before may be old
 };
 
 }  // namespace rimlight::server

@@ -4,9 +4,11 @@
 #include <deque>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "server/protocol/messages.h"
 #include "server/session/client.h"
+#include "server/session/session_version.h"
 #include "server/store/session_store.h"
 
 namespace rimlight::server {
@@ -15,12 +17,11 @@ namespace rimlight::server {
 struct WaitingEdit {
   std::weak_ptr<Client> client;  // who is told
   std::string id;
-  Revision revision;
-  DesignState state;
+  SessionVersion version;
 };
 
-/// The edits of one session that are not durable yet, in order: each is made on the state that the
-/// one before leads to. When one is refused, those after it fall with it, and until they have,
+/// The edits of one session that are not durable yet, in order: each is made on the version that
+/// the one before leads to. When one is refused, those after it fall with it, and until they have,
 /// none is taken: what they were made on never was. One thread at a time: the session's mutex.
 class WaitingEdits {
  public:
@@ -28,10 +29,14 @@ class WaitingEdits {
   WaitingEdits(SessionStore& store, std::string scene, std::string session, Revision stored);
 
   bool empty() const { return edits_.empty(); }
-  /// Applies the edit to the last that waits, or to `state` at `revision` when none does, and hands
-  /// it to the store. Throws Error, and changes nothing, where apply_edit() and append() do.
-  void add(const Edit& edit, const std::shared_ptr<Client>& client, const std::string& author,
-           const DesignState& state, const Revision& revision, SessionStore::Answer answer);
+  /// What the next edit is made on: the last that waits, or `durable` when none does.
+  const SessionVersion& newest(const SessionVersion& durable) const {
+    return edits_.empty() ? durable : edits_.back().version;
+  }
+  /// Hands an edit to the store that leads from `base`, the newest, to its version. Throws Error,
+  /// and changes nothing, where append() does, and while refused ones fall.
+  void add(WaitingEdit edit, const SessionVersion& base, std::int64_t at_ms,
+           SessionStore::Answer answer);
   /// The oldest, which the store has answered: durable or refused.
   enum class Outcome { durable, refused };
   WaitingEdit take(Outcome outcome);

@@ -1,13 +1,12 @@
 #pragma once
 
 #include <chrono>
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 
 #include "core/base/error.h"
-#include "server/protocol/messages.h"
+#include "server/store/stored_session.h"
 
 namespace rimlight::server {
 
@@ -15,23 +14,6 @@ namespace rimlight::server {
 class StoreError : public Error {
  public:
   using Error::Error;
-};
-
-/// A design session as the store has it.
-struct StoredSession {
-  Revision revision;
-  std::string state;  // JSON: state_to_json()
-};
-
-/// An edit to keep: the state after it, and what the log says of it.
-struct StoredEdit {
-  std::string scene, session;
-  Revision before;  // what it was made on, as it is stored; number 0: never stored
-  Revision revision;
-  std::string state;       // JSON after it: state_to_json()
-  std::string change;      // JSON Patch (RFC 6902) from the state before it
-  std::string author;      // who
-  std::int64_t at_ms = 0;  // when: milliseconds since 1970
 };
 
 /// Keeps design sessions beyond the life of the server. Any thread.

@@ -13,7 +13,10 @@ constexpr std::chrono::milliseconds kRetry{50};
 constexpr std::chrono::seconds kTrouble{5};
 
 std::size_t bytes_of(const StoredEdit& edit) {
-  return sizeof edit + edit.state.size() + edit.change.size();
+  std::size_t bytes = sizeof edit + edit.state.size() + edit.change.size();
+  for (const StoredStep& step : edit.rows.steps) bytes += sizeof step + step.step.size();
+  for (const StoredSnapshot& snapshot : edit.rows.snapshots) bytes += snapshot.state.size();
+  return bytes;
 }
 
 }  // namespace

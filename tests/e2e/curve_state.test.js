@@ -1,10 +1,9 @@
-// What the page keeps of edited materials, how edits become one, and how they are taken back.
+// What the page keeps of edited materials, and how edits become one.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { applied, axesOf, channelValue, inverse, kNothing, shownMaterial, withChannel } from '../../web/js/curve_state.js';
+import { applied, axesOf, channelValue, kNothing, shownMaterial, withChannel } from '../../web/js/curve_state.js';
 import { preset, presetNames } from '../../web/js/curve_presets.js';
 import { merged, mergedMaterials } from '../../web/js/edits.js';
-import { History } from '../../web/js/history.js';
 
 const baked = { name: 'pearl', model: 'cook_torrance', roughness: 0.3, exponent: 50, eta: [1.5, 1.5, 1.5],
   k: [0, 0, 0], albedo: [0.5, 0.5, 0.5], specular: [1, 1, 1], axes: ['half_angle', 'difference_angle'] };
@@ -27,19 +26,6 @@ test('a change is applied as the server does it', () => {
   assert.deepEqual(applied(all, draw({ half_angle: null })).curve, {});
 });
 
-test('every change is taken back by its inverse, as it is shown', () => {
-  const starts = [kNothing, applied(kNothing, kChanges[9]), kChanges.slice(0, 6).reduce(applied, kNothing)];
-  for (const start of starts) {
-    for (const change of kChanges) {
-      const undo = inverse(start, baked, change, 'pearl');
-      const back = applied(applied(start, change), undo);
-      assert.deepEqual(shownMaterial(baked, back), shownMaterial(baked, start), JSON.stringify(change));
-      assert.deepEqual(back.curve, start.curve, JSON.stringify(change));
-      assert.deepEqual(back.load, start.load);
-    }
-  }
-});
-
 test('edits of one frame become one that does the same', () => {
   let count = 0;
   for (const first of kChanges) {
@@ -58,44 +44,6 @@ test('edits of one frame become one that does the same', () => {
   const light = merged({ exposure: 1, material: draw({ half_angle: flat }) }, { exposure: 2 });
   assert.deepEqual(light, { exposure: 2, material: draw({ half_angle: flat }) });
   assert.deepEqual(merged({ material: draw({ half_angle: flat }) }, { material: set(null) }).material, set(null));
-});
-
-test('a drag is one step, and what is undone can be done again', () => {
-  const history = new History();
-  let edited = kNothing;
-  const act = (change, key) => {
-    history.record(inverse(edited, baked, change, 'pearl'), change, key);
-    edited = applied(edited, change);
-  };
-  act(set({ roughness: 0.5 }));
-  for (let i = 1; i <= 5; ++i) act(draw({ half_angle: { scale: 'linear', points: [[0, i, i, i]] } }), 'point 0');
-  history.seal();
-  act(draw({ half_angle: flat }), 'point 0');
-  const end = edited;
-  const undo = () => { edited = applied(edited, history.undo()); };
-  undo();
-  assert.deepEqual(edited.curve.pearl.half_angle.points, [[0, 5, 5, 5]]);
-  undo();
-  assert.deepEqual(edited, applied(kNothing, set({ roughness: 0.5 })), 'the whole drag at once');
-  undo();
-  assert.equal(shownMaterial(baked, edited).roughness, 0.3);
-  assert.equal(history.canUndo, false);
-  assert.equal(history.undo(), null);
-  while (history.canRedo) edited = applied(edited, history.redo());
-  assert.deepEqual(edited, end);
-  undo();
-  act(load('gold'));
-  assert.equal(history.canRedo, false, 'a new step forgets what was undone');
-  history.clear();
-  assert.equal(history.canUndo, false);
-});
-
-test('history keeps its newest steps', () => {
-  const history = new History();
-  for (let i = 0; i < 500; ++i) history.record(set({ roughness: i }), set({ roughness: i + 1 }));
-  let steps = 0;
-  for (let step = history.undo(); step; step = history.undo()) steps += 1;
-  assert.equal(steps, 200);
 });
 
 test('a channel is set alone, and all of them in their ratio', () => {

@@ -17,9 +17,9 @@ export const vertexBake = process.env.RIMLIGHT_VERTEX_BAKE;
 export const curveBake = process.env.RIMLIGHT_CURVE_BAKE;
 
 /** Resolves to {address, host, port, stop, kill} when the server is ready. */
-export function startServer({ port = 0, bakes = [bake] } = {}) {
+export function startServer({ port = 0, bakes = [bake], more = [] } = {}) {
   return started(program, ['serve', ...bakes, '--port', String(port), '--json',
-    '--web', resolve(root, 'web')]);
+    '--web', resolve(root, 'web'), ...more]);
 }
 
 /** The same page with a scene "curves" whose BRDFs are edited. */

@@ -7,6 +7,7 @@
 #include "server/protocol/messages.h"
 #include "server/protocol/query_string.h"
 #include "server/protocol/stream_target.h"
+#include "server/session/edit_history.h"
 #include "tests/fuzz/fuzz_target.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -23,6 +24,13 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     }
   });
   fuzz::expect_result_or_error([&] { server::parse_stream_target(text); });
+  fuzz::expect_result_or_error([&] { server::parse_state_target(text); });
+  fuzz::expect_result_or_error([&] {
+    const server::EditStepPtr step = server::read_step(text, 1, "store");
+    server::EditHistory history({step}, {});
+    nlohmann::json state = server::state_to_json({});
+    (void)history.undo(state);
+  });
   fuzz::expect_result_or_error([&] { server::parse_query(text, {"scene", "material"}); });
   return fuzz::expect_result_or_error(
       [&] { server::parse_frame_message(std::span(data, size), "input"); });

@@ -23,11 +23,13 @@ class KeepingClient : public Client {
  public:
   void send_text(std::string text) override { texts.push_back(json::parse(text)); }
   void send_state(std::string text) override { states.push_back(json::parse(text)); }
+  void send_presence(std::string text) override { presences.push_back(json::parse(text)); }
+  void send_snapshots(std::string text) override { snapshots.push_back(json::parse(text)); }
   void send_frame(FramePtr frame) override { frames.push_back(std::move(frame)); }
 
   FrameHeader last() const { return parse_frame_message(frames.back()->bytes(), "frame").header; }
 
-  std::vector<json> texts, states;
+  std::vector<json> texts, states, presences, snapshots;
   std::vector<FramePtr> frames;
 };
 

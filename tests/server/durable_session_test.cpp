@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <future>
+
 #include "server/session/session_registry.h"
 #include "server/store/sqlite_store.h"
 #include "tests/server/design_session_case.h"
@@ -97,7 +99,8 @@ TEST_F(DurableSession, TheStoreGetsEachStateWithWhoChangedWhat) {
   EXPECT_EQ(second.scene + second.session, "spheres");
   EXPECT_EQ(second.before, (Revision{5, 1}));
   EXPECT_EQ(second.revision, (Revision{5, 2}));
-  EXPECT_EQ(second.author, "client 2");
+  EXPECT_EQ(second.author, "guest 2");
+  EXPECT_EQ(second.user, 2);
   EXPECT_GT(second.at_ms, 1'500'000'000'000);
   const json before = json::parse(store.edits[0].state), after = json::parse(second.state);
   EXPECT_EQ(after["exposure"], 2.0);
@@ -279,6 +282,44 @@ TEST_F(RestartedSessions, AStateThatCannotBeReadIsAnErrorOfItsSessionAlone) {
     session.reset();
     store.reset();
   }
+}
+
+/// A store that takes its time to read one session.
+class StuckStore final : public SessionStore {
+ public:
+  std::optional<StoredSession> load(const std::string&, const std::string& session) override {
+    if (session == "stuck") {
+      reading.set_value();
+      go.get_future().wait();
+    }
+    return {};
+  }
+  void append(StoredEdit, Answer answer) override { answer({}); }
+  bool drain(milliseconds) override { return true; }
+
+  std::promise<void> reading, go;
+};
+
+TEST(Registry, ASessionThatIsReadFromTheStoreHoldsUpNoOther) {
+  RenderQueue queue;
+  const SceneCatalog scenes({sphere_scene("one", 8, 8)});
+  StuckStore store;
+  SessionRegistry registry(scenes, queue, RegistrySettings{}, &store);
+  const auto join = [&](const std::string& name) {
+    return registry.join(name, "", std::make_shared<KeepingClient>(), Clock::now());
+  };
+  const auto open = join("a");
+  auto stuck = std::async(std::launch::async, [&] { return join("stuck"); });
+  ASSERT_EQ(store.reading.get_future().wait_for(seconds(10)), std::future_status::ready);
+  auto others = std::async(std::launch::async, [&] { return std::pair(join("a"), join("b")); });
+  const auto in_time = others.wait_for(seconds(10));
+  EXPECT_EQ(in_time, std::future_status::ready);
+  EXPECT_EQ(registry.join_open("stuck", "", std::make_shared<KeepingClient>(), Clock::now()),
+            nullptr);
+  store.go.set_value();
+  EXPECT_EQ(others.get().first, open);
+  EXPECT_EQ(stuck.get()->name(), "stuck");
+  EXPECT_EQ(registry.size(), 3u);
 }
 
 }  // namespace

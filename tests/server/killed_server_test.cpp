@@ -74,9 +74,10 @@ class KilledServer : public testing::Test {
     address.pop_back();
     url = parse_stream_url("ws" + address.substr(4));
   }
-  /// Opens the session; its welcome, or null.
+  /// Opens the session, as the user that it was before; its welcome, or null.
   json open() {
-    stream = std::make_unique<StreamClient>(url, "/sessions/a/stream");
+    const std::string query = resume.empty() ? "" : "?resume=" + resume;
+    stream = std::make_unique<StreamClient>(url, "/sessions/a/stream" + query);
     const StreamClient::Received first = stream->receive(Clock::now() + kPatience);
     const auto* const text = std::get_if<StreamClient::Text>(&first);
     return text == nullptr ? json() : json::parse(text->text);
@@ -102,6 +103,7 @@ class KilledServer : public testing::Test {
   std::unique_ptr<RunningProgram> server;
   StreamUrl url;
   std::unique_ptr<StreamClient> stream;
+  std::string resume;  // token
 };
 
 int points() {
@@ -113,29 +115,46 @@ TEST_F(KilledServer, HasEveryAcknowledgedEditWhenItComesBack) {
   std::mt19937 random(20260101);
   std::uniform_int_distribution<int> microseconds(500, 80'000);
   std::int64_t acknowledged = 0, beyond = 0, epoch = 0;
+  double slowest_ms = 0;
   const int kills = points();
   ASSERT_GT(kills, 0);
   for (int i = 0; i <= kills; ++i) {
     start();
     ASSERT_FALSE(HasFatalFailure());
+    const Clock::time_point came = Clock::now();
     const json welcome = open();
     ASSERT_TRUE(welcome.is_object());
     const auto revision = welcome["revision"].get<std::int64_t>();
+    ASSERT_TRUE(std::holds_alternative<StreamClient::Binary>(stream->receive(came + kPatience)));
+    const std::chrono::duration<double, std::milli> took = Clock::now() - came;
+    slowest_ms = std::max(slowest_ms, took.count());
+    // A user is kept with the first edit.
+    ASSERT_EQ(welcome["resumed"], revision > 0) << "kill " << i;
+    resume = welcome["resume"];
+    ASSERT_EQ(welcome["history"]["undo"], std::min<std::int64_t>(revision, 100));
     ASSERT_GE(revision, acknowledged) << "an acknowledged edit is lost, kill " << i;
     ASSERT_LE(revision, acknowledged + kAhead);
     ASSERT_EQ(welcome["state"]["exposure"], exposure_of(revision)) << "kill " << i;
     ASSERT_GT(welcome["epoch"].get<std::int64_t>(), epoch);
     epoch = welcome["epoch"];
     beyond += revision - acknowledged;
-    if (i == kills) break;
+    if (i == kills) {
+      ASSERT_TRUE(stream->send_text(R"({"type": "undo", "id": "u"})"));
+      const auto answer = stream->receive(Clock::now() + kPatience);
+      ASSERT_TRUE(std::holds_alternative<StreamClient::Text>(answer));
+      const json undone = json::parse(std::get<StreamClient::Text>(answer).text);
+      EXPECT_EQ(undone["state"]["exposure"], exposure_of(revision - 1));
+      break;
+    }
     std::jthread killer([this, delay = std::chrono::microseconds(microseconds(random))] {
       std::this_thread::sleep_for(delay);
       server->kill();
     });
     acknowledged = edit_until_killed(revision);
   }
-  std::printf("%d kills, %d edits acknowledged, %d more were durable\n", kills,
-              static_cast<int>(acknowledged), static_cast<int>(beyond));
+  std::printf("%d kills, %d edits acknowledged, %d more were durable; first frame within %.0f ms\n",
+              kills, static_cast<int>(acknowledged), static_cast<int>(beyond), slowest_ms);
+  EXPECT_LT(slowest_ms, 1000);
   EXPECT_GT(acknowledged, kills);
 }
 

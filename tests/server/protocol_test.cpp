@@ -200,18 +200,36 @@ TEST(StreamTargets, NameASessionAndAScene) {
             (StreamTarget{"A.b_c-9", "terrace"}));
   EXPECT_EQ(parse_stream_target("/sessions/a/stream?token=x.y_z&scene=s"),
             (StreamTarget{"a", "s", "x.y_z"}));
+  const std::string resume(64, 'e');
+  EXPECT_EQ(parse_stream_target("/sessions/a/stream?seen=42&resume=" + resume),
+            (StreamTarget{"a", "", "", resume, 42}));
+  EXPECT_EQ(parse_state_target("/sessions/a/state?scene=s"), (StreamTarget{"a", "s"}));
+  EXPECT_TRUE(is_state_target("/sessions/a/state?x"));
+  EXPECT_FALSE(is_state_target("/sessions/a/stream?/state"));
 }
 
 TEST(StreamTargets, AnythingElseIsAnError) {
-  for (const std::string& target :
-       {std::string("/"), std::string("/sessions//stream"), std::string("/sessions/stream"),
-        std::string("/sessions/a"), std::string("/sessions/a/b/stream"),
-        std::string("/sessions/a%2fb/stream"), std::string("/sessions/ä/stream"),
-        std::string("/sessions/a/stream?scene="), std::string("/sessions/a/stream?scene=../x"),
-        std::string("/sessions/a/stream?scene=x&y=z"),
-        std::string("/sessions/a/stream?scene=x&scene=y"),
-        std::string("/sessions/a/stream?token=x&token=y"), std::string("/sessions/a/stream?x=y"),
-        "/sessions/" + std::string(65, 'a') + "/stream"}) {
+  for (const std::string& target : {std::string("/"),
+                                    std::string("/sessions//stream"),
+                                    std::string("/sessions/stream"),
+                                    std::string("/sessions/a"),
+                                    std::string("/sessions/a/b/stream"),
+                                    std::string("/sessions/a%2fb/stream"),
+                                    std::string("/sessions/ä/stream"),
+                                    std::string("/sessions/a/stream?scene="),
+                                    std::string("/sessions/a/stream?scene=../x"),
+                                    std::string("/sessions/a/stream?scene=x&y=z"),
+                                    std::string("/sessions/a/stream?scene=x&scene=y"),
+                                    std::string("/sessions/a/stream?resume=short"),
+                                    "/sessions/a/stream?resume=" + std::string(64, 'E'),
+                                    std::string("/sessions/a/stream?seen=-1"),
+                                    std::string("/sessions/a/stream?seen=1e3"),
+                                    std::string("/sessions/a/stream?seen=1234567890123456"),
+                                    std::string("/sessions/a/stream?seen=1&seen=1"),
+                                    std::string("/sessions/a/state"),
+                                    std::string("/sessions/a/stream?token=x&token=y"),
+                                    std::string("/sessions/a/stream?x=y"),
+                                    "/sessions/" + std::string(65, 'a') + "/stream"}) {
     EXPECT_NE(error_of([&] { parse_stream_target(target); }), "no error") << target;
   }
   EXPECT_EQ(parse_stream_target("/sessions/" + std::string(64, 'a') + "/stream").session.size(),

@@ -151,10 +151,10 @@ TEST_F(SqliteStoreTest, ASecondServerIsTurnedAway) {
 
 TEST_F(SqliteStoreTest, ANewerStoreAndOneOfAnotherProgramAreRefusedAndLeftAsTheyWere) {
   { const SqliteStore store(settings); }
-  run_sql(settings.file.string(), "PRAGMA user_version = 2");
+  run_sql(settings.file.string(), "PRAGMA user_version = 3");
   const std::string newer = error_of([&] { SqliteStore store(settings); });
-  EXPECT_NE(newer.find("sessions.sqlite: found version 2"), std::string::npos) << newer;
-  EXPECT_EQ(run_sql(settings.file.string(), "PRAGMA user_version"), "2");
+  EXPECT_NE(newer.find("sessions.sqlite: found version 3"), std::string::npos) << newer;
+  EXPECT_EQ(run_sql(settings.file.string(), "PRAGMA user_version"), "3");
 
   settings.file = folder / "other.sqlite";
   run_sql(settings.file.string(), "CREATE TABLE notes (text)");

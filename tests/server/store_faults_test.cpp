@@ -38,6 +38,7 @@ class StoreFaults : public testing::TestWithParam<Lasting> {
   static StoredEdit large_edit(int number) {
     StoredEdit edit = numbered_edit(number);
     edit.state.insert(edit.state.size() - 1, std::string(10000, ' '));
+    edit.rows = test::numbered_rows(number);
     return edit;
   }
   /// What a server that starts now finds: the revision, 0 when there is none.
@@ -49,6 +50,7 @@ class StoreFaults : public testing::TestWithParam<Lasting> {
     if (!session) return 0;
     const auto number = static_cast<int>(session->revision.number);
     EXPECT_EQ(session->state, large_edit(number).state);
+    test::expect_rows_of(number, *session);
     return number;
   }
   enum class End { all_stored, refused, unknown };

@@ -1,7 +1,10 @@
 #include "tests/server/stored_edits.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <future>
 #include <stdexcept>
 
@@ -19,6 +22,47 @@ StoredEdit numbered_edit(int number, const std::string& session) {
           R"([{"op":"replace","path":"/exposure","value":)" + text + "}]",
           "client 1",
           1000 + number};
+}
+
+namespace {
+
+std::string hash_of(int user) { return std::string(64, static_cast<char>('a' + user)); }
+StoredStep step_of(int number, bool undone) {
+  return {1 + number % 2, number, undone, "step " + std::to_string(number) + std::string(500, 's')};
+}
+StoredSnapshot snapshot_of(int number) {
+  return {"snapshot " + std::to_string(number), {1, "Ann"}, 1000 + number, {7, number}, "{}"};
+}
+
+}  // namespace
+
+StoredRows numbered_rows(int number) {
+  const int user = 1 + number % 2;
+  StoredRows rows;
+  rows.users.push_back({user, "Ann", hash_of(user), number});
+  rows.steps.push_back(step_of(number, number % 3 == 0));
+  if (number > 10) rows.forgotten_steps.emplace_back(user, number - 10);
+  if (number % 5 == 0) rows.snapshots.push_back(snapshot_of(number));
+  if (number % 10 == 0) rows.forgotten_snapshots.push_back(snapshot_of(number - 5).name);
+  return rows;
+}
+
+void expect_rows_of(int number, const StoredSession& session) {
+  std::vector<StoredStep> steps;
+  std::vector<StoredSnapshot> snapshots;
+  for (int i = number; i > 0 && i > number - 10; --i) steps.push_back(step_of(i, i % 3 == 0));
+  for (int i = 1; i <= number; ++i) {
+    const bool is_there = i % 10 == 0 || (i % 5 == 0 && i + 5 > number);
+    if (is_there) snapshots.push_back(snapshot_of(i));
+  }
+  EXPECT_THAT(session.steps, testing::UnorderedElementsAreArray(steps));
+  EXPECT_THAT(session.snapshots, testing::UnorderedElementsAreArray(snapshots));
+  ASSERT_EQ(session.users.size(), static_cast<std::size_t>(std::min(number, 2)));
+  for (const StoredUser& user : session.users) {
+    const bool made_last = user.number == 1 + number % 2;
+    EXPECT_EQ(user.last_revision, made_last ? number : number - 1);
+    EXPECT_EQ(user.token_hash, hash_of(static_cast<int>(user.number)));
+  }
 }
 
 std::string store_one(SessionStore& store, StoredEdit edit) {

@@ -16,7 +16,7 @@ export function parseFrame(buffer) {
  * 'frame' {header, payload, bytes}, each as event.detail.
  */
 export class Connection extends EventTarget {
-  #url;
+  #url; // () => the stream's
   #socket = null;
   #failures = 0;
   #retryTimer = 0;
@@ -37,7 +37,7 @@ export class Connection extends EventTarget {
     this.#retryTimer = 0;
     this.#pingSent = 0;
     this.#tell('status', { state: 'connecting', again: this.#failures > 0 });
-    const socket = new WebSocket(this.#url);
+    const socket = new WebSocket(this.#url());
     socket.binaryType = 'arraybuffer';
     this.#socket = socket;
     socket.onmessage = (event) => this.#receive(event.data);

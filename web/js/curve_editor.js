@@ -1,12 +1,11 @@
-// The panel of materials whose BRDFs are edited: their curves, parameters, presets, and history.
+// The panel of materials whose BRDFs are edited: their curves, parameters and presets.
 import { CurveLibrary } from './curve_library.js';
 import { CurveParameters } from './curve_parameters.js';
 import { CurvePlot, numberText, roundTop, shareOf, valueAt } from './curve_plot.js';
 import { binsOfPoints, kBins, kLargestValue } from './curve_points.js';
 import { preset, presetNames } from './curve_presets.js';
-import { applied, channelValue, inverse, kAxes, kNothing, withChannel } from './curve_state.js';
+import { applied, channelValue, kAxes, kNothing, withChannel } from './curve_state.js';
 import { CurveView } from './curve_view.js';
-import { History } from './history.js';
 
 const kLeastGap = 1 / 1024; // between points
 const kMostPoints = kBins;
@@ -30,7 +29,6 @@ export class CurveEditor {
   #library;
   #plot;
   #parameters;
-  #history = new History();
   #baked = new Map();
   #measured = [];
   #edited = kNothing;
@@ -51,8 +49,7 @@ export class CurveEditor {
       onNudge: (...step) => this.#nudge(...step),
     });
     this.#parameters = new CurveParameters(element('parameters'), {
-      onChange: (name, value) => this.#set({ parameter: { [name]: value } }, name),
-      onDone: () => this.#history.seal(),
+      onChange: (name, value) => this.#set({ parameter: { [name]: value } }),
     });
     for (const id of ['material', 'channel', 'compare']) {
       element(id).addEventListener('change', () => this.#render());
@@ -63,9 +60,6 @@ export class CurveEditor {
     element('preset').addEventListener('change', () => this.#usePreset());
     element('own').addEventListener('click', () => this.#set({ curve: { [this.#axis]: null } }));
     element('reset').addEventListener('click', () => this.#set({ parameter: null }));
-    element('undo').addEventListener('click', () => this.#travel(this.#history.undo()));
-    element('redo').addEventListener('click', () => this.#travel(this.#history.redo()));
-    document.addEventListener('keydown', (event) => this.#shortcut(event));
   }
 
   get isDragging() {
@@ -80,7 +74,6 @@ export class CurveEditor {
     this.#baked = new Map(editable.map((material) => [material.name, material]));
     this.#measured = measured;
     if (isSame) return;
-    this.#history.clear();
     setOptions(element('material'), editable.map(({ name }) => [name, name]));
     setOptions(element('load'), [['', 'Its model'], ...measured.map((name) => [name, name])]);
     setOptions(element('compare'), [['none', 'Nothing'], ['baked', 'As baked'],
@@ -111,35 +104,13 @@ export class CurveEditor {
     return this.#edited.curve[this.#name]?.[this.#axis]?.scale ?? this.#scales[this.#axis];
   }
 
-  /** Sets parts of the chosen material: {parameter, curve, load}; steps of one key are one. */
-  #set(parts, key = null) {
+  /** Sets parts of the chosen material: {parameter, curve, load}. */
+  #set(parts) {
     const name = this.#name;
     const change = Object.fromEntries(Object.entries(parts).map(([part, value]) => [part, { [name]: value }]));
-    const undo = inverse(this.#edited, this.#baked.get(name), change, name);
-    if (Object.keys(undo).length > 0) this.#history.record(undo, change, key && `${name} ${key}`);
-    this.#apply(change);
-  }
-
-  #apply(change) {
     this.#edited = applied(this.#edited, change);
     this.#render();
     this.#onChange({ material: change });
-  }
-
-  #travel(change) {
-    if (!change) return;
-    const [name] = Object.values(change).flatMap((part) => Object.keys(part));
-    element('material').value = name;
-    this.#apply(change);
-  }
-
-  #shortcut(event) {
-    if (this.#panel.hidden || !(event.ctrlKey || event.metaKey) || event.altKey) return;
-    const key = event.key.toLowerCase();
-    const isRedo = key === 'y' || (key === 'z' && event.shiftKey);
-    if (!isRedo && key !== 'z') return;
-    event.preventDefault();
-    this.#travel(isRedo ? this.#history.redo() : this.#history.undo());
   }
 
   #usePreset() {
@@ -174,8 +145,8 @@ export class CurveEditor {
 
   // Points.
 
-  #setPoints(points, key) {
-    this.#set({ curve: { [this.#axis]: { scale: this.#scale, points } } }, key && `${this.#axis} ${key}`);
+  #setPoints(points) {
+    this.#set({ curve: { [this.#axis]: { scale: this.#scale, points } } });
   }
 
   get #points() {
@@ -188,7 +159,6 @@ export class CurveEditor {
 
   #drop() {
     this.#held = null;
-    this.#history.seal();
     this.#render();
     this.#onDrop();
   }
@@ -199,7 +169,7 @@ export class CurveEditor {
     const most = index + 1 < points.length ? points[index + 1][0] - kLeastGap : 1;
     const colour = withChannel(this.#held?.colour ?? points[index].slice(1), this.#channel, value, [0, kLargestValue]);
     points[index] = [least <= most ? Math.min(most, Math.max(least, position)) : points[index][0], ...colour];
-    this.#setPoints(points, `point ${index}`);
+    this.#setPoints(points);
   }
 
   #nudge(index, right, up, isLarge) {
@@ -279,8 +249,6 @@ export class CurveEditor {
     element('load').value = view.material.measured ?? '';
     setOptions(element('preset'), [['', 'Preset…'], ...presetNames(view.material, view.axes).map((name) => [name, name])]);
     element('own').disabled = !view.drawn[this.#axis];
-    element('undo').disabled = !this.#history.canUndo;
-    element('redo').disabled = !this.#history.canRedo;
     const fit = view.measuredCurves?.fit_error;
     element('fit').textContent = fit ? `Fitted to ${(100 * Math.max(...fit.relative)).toFixed(1)} %` : '';
   }

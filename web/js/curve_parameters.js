@@ -33,21 +33,19 @@ const kOfModel = {
   ashikhmin_shirley: ['specular', 'exponent', 'exponent_across'],
 };
 
-/** onChange(name, value) as it moves, onDone() when it stays. */
+/** onChange(name, value) as it moves. */
 export class CurveParameters {
   #container;
   #onChange;
-  #onDone;
   #model = null;
   #material = null;
   #channel = 'all';
   #rows = new Map(); // name → {input, output}
   #albedo;
 
-  constructor(container, { onChange, onDone }) {
+  constructor(container, { onChange }) {
     this.#container = container;
     this.#onChange = onChange;
-    this.#onDone = onDone;
   }
 
   show(material, channel) {
@@ -95,7 +93,6 @@ export class CurveParameters {
     label.append(words, input, output);
     this.#container.append(label);
     input.addEventListener('input', () => this.#onChange(name, read(input)));
-    input.addEventListener('change', () => this.#onDone());
     return { input, output };
   }
 }

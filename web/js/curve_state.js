@@ -29,25 +29,6 @@ export function applied(edited, change) {
   return { parameter, curve, load };
 }
 
-/** The change that takes a change of one material back to what is edited now. */
-export function inverse(edited, baked, change, name) {
-  const isReset = change.parameter?.[name] === null;
-  const had = { parameter: edited.parameter[name] ?? {}, curve: edited.curve[name] ?? {},
-    load: edited.load[name] ?? null };
-  const result = {};
-  const parameters = Object.keys((isReset ? had.parameter : change.parameter?.[name]) ?? {});
-  if (parameters.length > 0) {
-    result.parameter = { [name]: Object.fromEntries(parameters.map((key) =>
-      [key, had.parameter[key] ?? baked[key]])) };
-  }
-  const axes = Object.keys({ ...(isReset ? had.curve : {}), ...change.curve?.[name] });
-  if (axes.length > 0) {
-    result.curve = { [name]: Object.fromEntries(axes.map((axis) => [axis, had.curve[axis] ?? null])) };
-  }
-  if ((isReset && had.load !== null) || name in (change.load ?? {})) result.load = { [name]: had.load };
-  return result;
-}
-
 /** The material as it is shown: as baked, its parameters edited; `measured` names what it loads. */
 export function shownMaterial(baked, edited) {
   const measured = edited.load[baked.name] ?? null;

@@ -35,15 +35,17 @@ export function merged(first, second) {
  */
 export class Edits {
   #send;
-  #pending = []; // each to be sent as one
+  #pending = []; // {gesture, change}, each to be sent as one, or {command}
   #scheduled = false;
   #counter = 0;
-  #sent = new Map(); // id → time sent, until acknowledged
+  #sent = new Map(); // id → {time sent, entry}, until acknowledged
+  #gesture;
   #shown = []; // [{revision, time}], acknowledged and not seen in a frame yet, ascending
 
-  /** send(message) answers whether it was sent. */
-  constructor(send) {
+  /** send(message) answers whether it was sent; gesture() names what the hand is doing. */
+  constructor(send, gesture = () => '') {
     this.#send = send;
+    this.#gesture = gesture;
   }
 
   /** Whether the server may not have heard all yet. */
@@ -53,24 +55,38 @@ export class Edits {
 
   /** Sets part of the state: {rotation}, {environment}, {exposure}, {view}, {material}. */
   set(change) {
-    const last = this.#pending.pop() ?? {};
-    const both = merged(last, change);
-    this.#pending.push(...(both ? [both] : [last, change]));
+    const gesture = this.#gesture();
+    const last = this.#pending.at(-1);
+    const both = last?.change && last.gesture === gesture && merged(last.change, change);
+    if (both) {
+      last.change = both;
+    } else {
+      this.#pending.push({ gesture, change });
+    }
+    this.#schedule();
+  }
+
+  /** Sends another message that makes a revision, after the edits before it. */
+  command(message) {
+    this.#pending.push({ command: message });
     this.#schedule();
   }
 
   acknowledged(id, revision) {
-    const time = this.#sent.get(id);
-    if (time === undefined) return;
+    const sent = this.#sent.get(id);
+    if (sent === undefined) return;
     this.#sent.delete(id);
-    this.#shown.push({ revision, time });
+    this.#shown.push({ revision, time: sent.time });
     if (this.#shown.length > kRemembered) this.#shown.shift();
     this.#schedule();
   }
 
+  /** The type of the message that was. */
   refused(id) {
+    const { command, change } = this.#sent.get(id)?.entry ?? {};
     this.#sent.delete(id);
     this.#schedule();
+    return command?.type ?? (change && 'edit');
   }
 
   /** Milliseconds from the newest edit that the frame is the first to show; null when none. */
@@ -82,8 +98,13 @@ export class Edits {
     return newest && now - newest.time;
   }
 
-  /** After a new welcome: nothing that was sent before will be acknowledged. */
+  /**
+   * After a new welcome: nothing that was sent before will be acknowledged. Edits may be lost: they go again, which
+   * changes nothing where they are not.
+   */
   restart() {
+    const unanswered = [...this.#sent.values()].map(({ entry }) => entry);
+    this.#pending.unshift(...unanswered.filter(({ change }) => change));
     this.#sent.clear();
     this.#shown = [];
     this.#schedule();
@@ -101,8 +122,10 @@ export class Edits {
   #flush() {
     if (this.#pending.length === 0 || this.#sent.size >= kMostUnacknowledged) return;
     const id = String(++this.#counter);
-    if (!this.#send({ type: 'edit', id, ...this.#pending[0] })) return;
-    this.#sent.set(id, performance.now());
+    const [entry] = this.#pending;
+    const message = entry.command ?? { type: 'edit', gesture: entry.gesture, ...entry.change };
+    if (!this.#send({ id, ...message })) return;
+    this.#sent.set(id, { time: performance.now(), entry });
     this.#pending.shift();
     this.#schedule();
   }

@@ -5,9 +5,12 @@ import { CurveEditor } from './curve_editor.js';
 import { Display } from './display.js';
 import { Edits } from './edits.js';
 import { FrameDecoder } from './frame_decoder.js';
+import { Gestures } from './gestures.js';
 import { Materials } from './materials.js';
 import { Measurements } from './measurements.js';
 import { Orbit } from './orbit.js';
+import { Resume } from './resume.js';
+import { SessionTools } from './session_tools.js';
 import { Toasts } from './toasts.js';
 import { Trackball } from './trackball.js';
 import { Viewer } from './viewer.js';
@@ -16,25 +19,45 @@ const element = (id) => document.getElementById(id);
 
 const token = takeToken(window);
 
+const parameters = new URLSearchParams(window.location.search);
+const session = parameters.get('session') || 'default';
+const scene = parameters.get('scene') ?? '';
+const sessionPath = `/sessions/${encodeURIComponent(session)}`;
+const resume = new Resume(window.sessionStorage, session, scene);
+
 /** ws://HOST/sessions/NAME/stream?scene=NAME, from this page's own ?session=…&scene=…. */
-function streamUrl(location) {
-  const parameters = new URLSearchParams(location.search);
-  const session = encodeURIComponent(parameters.get('session') || 'default');
-  const protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
-  const query = new URLSearchParams();
-  if (parameters.get('scene')) query.set('scene', parameters.get('scene'));
+function streamUrl() {
+  const protocol = window.location.protocol === 'https:' ? 'wss:' : 'ws:';
+  const query = new URLSearchParams(resume.query);
+  if (scene) query.set('scene', scene);
   if (token) query.set('token', token); // a browser's WebSocket has no headers to set
-  const path = `/sessions/${session}/stream`;
-  return `${protocol}//${location.host}${path}${String(query) ? `?${query}` : ''}`;
+  return `${protocol}//${window.location.host}${sessionPath}/stream${String(query) ? `?${query}` : ''}`;
 }
 
-const connection = new Connection(streamUrl(window.location));
-const edits = new Edits((message) => connection.send(message));
+/** The session's state as a file. */
+async function download() {
+  const query = scene ? `?${new URLSearchParams({ scene })}` : '';
+  const response = await fetch(`${sessionPath}/state${query}`, { headers: authorization(token) });
+  if (!response.ok) throw new Error(`${response.status}`);
+  return { name: `${session}.json`, text: await response.text() };
+}
+
+const connection = new Connection(streamUrl);
+const gestures = new Gestures(document);
+const edits = new Edits((message) => connection.send(message), () => gestures.current);
 const viewer = new Viewer(element('canvas'), element('stage'));
 const decoder = new FrameDecoder();
 const display = new Display((message) => connection.send(message));
 const measurements = new Measurements(document);
 const toasts = new Toasts(element('toasts'));
+const tools = new SessionTools({
+  onCommand: (message) => {
+    edits.command(message);
+    showBusy();
+  },
+  onError: (text) => toasts.say(text),
+  download,
+});
 const controls = new Controls(change);
 const materials = new Materials(change);
 const curves = new CurveEditor({ headers: authorization(token), onChange: change, onDrop: () => adopt(), onError: (text) => toasts.say(text) });
@@ -69,6 +92,7 @@ element('reset-view').addEventListener('click', () => {
 });
 
 function send(part) {
+  if (!tools.canEdit) return;
   edits.set(part);
   showBusy();
 }
@@ -111,6 +135,9 @@ const handlers = {
     decoder.reset();
     display.tell();
     edits.restart();
+    resume.keep(message.resume, message.revision);
+    tools.welcome(message);
+    if (message.missed > 0) toasts.say(`${message.missed} changes while you were away.`);
     viewer.setSize(message.size);
     sceneCamera = message.camera;
     orbit.setHome(message.camera, message.any_view);
@@ -128,15 +155,23 @@ const handlers = {
   },
   ack(message) {
     edits.acknowledged(message.id, message.revision);
+    tools.history(message.history);
     handlers.state(message);
   },
   state(message) {
-    if (isNewer(message)) newest = message;
+    if (isNewer(message)) {
+      newest = message;
+      tools.changed(message.by);
+    }
     adopt();
   },
+  presence: (message) => tools.presence(message),
+  snapshots: (message) => tools.snapshots(message),
   error(message) {
-    if (message.id) edits.refused(message.id);
-    toasts.say(message.reason);
+    const type = message.id && edits.refused(message.id);
+    const isTravel = type === 'undo' || type === 'redo';
+    toasts.say(isTravel ? `Nothing to ${type}: others have changed it since.` : message.reason);
+    adopt();
   },
 };
 
@@ -182,6 +217,10 @@ connection.addEventListener('status', ({ detail }) => {
   status.textContent = words[detail.state];
   status.dataset.state = detail.state;
   element('picture').classList.toggle('stale', detail.state !== 'open');
+});
+
+addEventListener('pagehide', () => {
+  if (newest) resume.keep(resume.query.resume, newest.revision);
 });
 
 connection.open();
