@@ -203,11 +203,12 @@ void HttpServer::State::watch_signals() {
   signals.add(SIGTERM);
   signals.async_wait([this](beast::error_code error, int signal) {
     if (error) return;
-    // A proxy needs time to see that the server is leaving; a person at a terminal does not.
-    begin_drain(signal == SIGTERM ? settings.drain_notice : std::chrono::milliseconds(0));
+    // Before the drain begins: it may end at once, and then cancels this.
     signals.async_wait([this](beast::error_code second, int) {
       if (!second) context.stop();
     });
+    // A proxy needs time to see that the server is leaving; a person at a terminal does not.
+    begin_drain(signal == SIGTERM ? settings.drain_notice : std::chrono::milliseconds(0));
   });
 }
 

@@ -74,12 +74,12 @@ class Proxies : public testing::TestWithParam<const char*> {
 
   std::string path(const std::string& name) const { return (folder / name).string(); }
 
-  /// What is deployed, with the test's ports, without TLS, and with times of 3 s for those of 60.
+  /// What is deployed, with the test's ports, without TLS, and with times of 2 s for those of 60.
   void adapt(std::string& text, const std::string& listen) const {
     replace(text, listen, "127.0.0.1:" + std::to_string(port));
     replace(text, "127.0.0.1:8081", "127.0.0.1:" + std::to_string(servers[0]->port()));
     replace(text, "127.0.0.1:8082", "127.0.0.1:" + std::to_string(servers[1]->port()));
-    replace(text, " 60s", " 3s");
+    replace(text, " 60s", " 2s");
   }
 
   void start_haproxy() {
@@ -127,11 +127,13 @@ class Proxies : public testing::TestWithParam<const char*> {
   /// The status of an upgrade with those headers.
   std::string upgrade(const std::string& target, const std::string& host,
                       const std::string& headers = "") const {
-    const std::string response = ask(port, "GET " + target + " HTTP/1.1\r\nHost: " + host +
-                                               "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
-                                               "Sec-WebSocket-Version: 13\r\n"
-                                               "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
-                                               headers + "\r\n");
+    const std::string response = ask(port,
+                                     "GET " + target + " HTTP/1.1\r\nHost: " + host +
+                                         "\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+                                         "Sec-WebSocket-Version: 13\r\n"
+                                         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+                                         headers + "\r\n",
+                                     test::Answer::header);
     return response.size() < 12 ? response : response.substr(9, 3);
   }
   std::unique_ptr<StreamClient> open(const std::string& session) const {
@@ -195,7 +197,7 @@ TEST_P(Proxies, LongSilenceDoesNotCutAConnection) {
   const auto client = open("quiet");
   ASSERT_TRUE(next(*client, "welcome").is_object());
   // More than twice the proxy's time; the client answers pings while it waits.
-  for (const auto end = Clock::now() + seconds(7); Clock::now() < end;) {
+  for (const auto end = Clock::now() + seconds(5); Clock::now() < end;) {
     ASSERT_FALSE(std::holds_alternative<StreamClient::Closed>(client->receive(end)));
   }
   ASSERT_TRUE(client->send_text(R"({"type":"edit","id":"1","exposure":1.5})"));

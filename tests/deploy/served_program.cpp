@@ -44,7 +44,7 @@ std::string ServedProgram::get(const std::string& target, const std::string& hea
                         headers + "\r\n");
 }
 
-std::string ask(std::uint16_t port, const std::string& request) {
+std::string ask(std::uint16_t port, const std::string& request, Answer wanted) {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   const timeval timeout{2, 0};
   ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
@@ -55,6 +55,7 @@ std::string ask(std::uint16_t port, const std::string& request) {
     char buffer[4096];
     for (ssize_t n = 0; (n = ::recv(socket, buffer, sizeof buffer, 0)) > 0;) {
       response.append(buffer, static_cast<std::size_t>(n));
+      if (wanted == Answer::header && response.find("\r\n\r\n") != std::string::npos) break;
     }
   }
   ::close(socket);

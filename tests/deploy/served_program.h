@@ -27,9 +27,11 @@ class ServedProgram {
   std::uint16_t port_;
 };
 
+/// How much of an answer is wanted.
+enum class Answer { whole, header };
 /// A request to 127.0.0.1 and what comes back until the peer closes, or in part after two seconds;
 /// empty when nobody listens.
-std::string ask(std::uint16_t port, const std::string& request);
+std::string ask(std::uint16_t port, const std::string& request, Answer wanted = Answer::whole);
 
 /// A port that nobody listens on just now.
 std::uint16_t free_port();
