@@ -24,7 +24,9 @@ double to_ms(Clock::duration duration) {
 class Player {
  public:
   Player(const LoadClientSettings& settings, const LoadScript& script)
-      : settings_(settings), script_(script), stream_(settings.url, target(settings)) {}
+      : settings_(settings),
+        script_(script),
+        stream_(settings.url, target(settings), settings.pass) {}
 
   LoadRecord run() {
     const Clock::time_point end = settings_.start + from_ms(settings_.seconds * 1e3);

@@ -30,6 +30,8 @@ struct ServeOptions {
   std::optional<std::string> host;
   std::optional<std::uint16_t> port;
   std::string key;
+  server::TlsFiles tls;
+  bool selftest_echo = false;
   std::vector<std::string> host_names;
   std::vector<std::string> origins;
   std::string budget;
@@ -70,6 +72,10 @@ ServeConfig merge(const ServeOptions& options) {
   if (!options.key.empty()) config.key_file = options.key;
   for (const std::string& name : options.host_names) config.network.host_names.push_back(name);
   for (const std::string& origin : options.origins) config.network.origins.push_back(origin);
+  server::TlsFiles& tls = config.network.tls;
+  if (!options.tls.certificate.empty()) tls.certificate = options.tls.certificate;
+  if (!options.tls.key.empty()) tls.key = options.tls.key;
+  config.network.selftest_echo = options.selftest_echo;
   RelightSettings& relight = config.draw.relight;
   if (!options.budget.empty()) relight.budget = parse_budget(options.budget, "--budget");
   if (!options.policy.empty()) relight.policy = parse_policy(options.policy, "--policy");
@@ -145,6 +151,11 @@ void add_serve_command(CLI::App& app, Action& chosen) {
   command->add_option("--port", options->port, "The port; 0 takes a free one [8080]");
   command->add_option("--key", options->key,
                       "A file of signing keys: clients must show tokens (`rimlight token`)");
+  command->add_option("--tls-certificate", options->tls.certificate,
+                      "A chain of certificates in PEM: https and wss; SIGHUP reads it again");
+  command->add_option("--tls-key", options->tls.key, "Its private key in PEM, for this user alone");
+  command->add_flag("--selftest-echo", options->selftest_echo,
+                    "/selftest/echo sends messages back, for conformance suites; on loopback only");
   command->add_option("--host-name", options->host_names,
                       "A name that clients call this server by, besides addresses and localhost");
   command->add_option("--origin", options->origins,

@@ -93,6 +93,8 @@ ServeConfig read_serve_config(const fs::path& file) {
                      "window",
                      "store",
                      "key_file",
+                     "tls_certificate",
+                     "tls_key",
                      "host_names",
                      "origins",
                      "most_connections_per_address",
@@ -112,6 +114,13 @@ ServeConfig read_serve_config(const fs::path& file) {
   }
   if (const auto key = reader.optional_member("key_file")) {
     config.key_file = file.parent_path() / key->string();
+  }
+  server::TlsFiles& tls = config.network.tls;
+  if (const auto certificate = reader.optional_member("tls_certificate")) {
+    tls.certificate = file.parent_path() / certificate->string();
+  }
+  if (const auto key = reader.optional_member("tls_key")) {
+    tls.key = file.parent_path() / key->string();
   }
   read_network(reader, config.network);
   read_sessions(reader, config);

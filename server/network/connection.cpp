@@ -29,9 +29,21 @@ constexpr std::size_t kMostTexts = 64;
 /// What a session itself may add to a client that does not read, before it is closed.
 constexpr std::size_t kTooManyTexts = 4 * kMostTexts;
 
+/// Of text that is UTF-8 but perhaps for its end: whether its last character lacks bytes.
+bool ends_within_character(std::string_view text) {
+  std::size_t following = 0;  // bytes at the end that continue a character
+  for (; following < 3 && following < text.size(); ++following) {
+    const auto byte = static_cast<unsigned char>(text[text.size() - 1 - following]);
+    if ((byte & 0xc0) == 0x80) continue;
+    const std::size_t needed = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : byte >= 0xc0 ? 1 : 0;
+    return following < needed;
+  }
+  return false;
+}
+
 }  // namespace
 
-Connection::Connection(beast::tcp_stream stream, const NetworkSettings& settings, Access access)
+Connection::Connection(Transport stream, const NetworkSettings& settings, Access access)
     : settings_(settings),
       access_(std::move(access)),
       socket_(std::move(stream)),
@@ -60,14 +72,43 @@ net::awaitable<void> Connection::run(Request request, std::shared_ptr<DesignSess
     joined->leave(*this, Clock::now());
   };
   const std::unique_ptr<DesignSession, decltype(leave)> joined(session.get(), leave);
-  beast::get_lowest_layer(socket_).expires_never();  // from here on the WebSocket's own timeouts
-  const auto [error] = co_await socket_.async_accept(request, kAsTuple);
-  if (!error) {
-    open_ = true;
+  const bool accepted = co_await accept(request);
+  if (accepted) {
     end_with_token();
     write_soon();
     co_await read_messages(*session);
   }
+}
+
+net::awaitable<bool> Connection::accept(const Request& request) {
+  beast::get_lowest_layer(socket_).expires_never();  // from here on the WebSocket's own timeouts
+  const auto [error] = co_await socket_.async_accept(request, kAsTuple);
+  open_ = !error;
+  co_return open_;
+}
+
+net::awaitable<void> Connection::echo(Request request) {
+  socket_.read_message_max(kLargestEcho);
+  bool going = co_await accept(request);
+  beast::flat_buffer buffer;
+  while (going) {
+    const auto [error, size] = co_await socket_.async_read(buffer, kAsTuple);
+    if (error || ending_) break;
+    if (!is_whole(buffer)) break;
+    going = co_await write(buffer.cdata(), socket_.got_text());
+    buffer.clear();
+  }
+  ending_ = true;
+}
+
+/// Beast does not look at the end of a text whose last fragment is empty: one that ends within a
+/// character closes the connection.
+bool Connection::is_whole(const beast::flat_buffer& buffer) {
+  const auto bytes = buffer.cdata();
+  const std::string_view text(static_cast<const char*>(bytes.data()), bytes.size());
+  if (!socket_.got_text() || !ends_within_character(text)) return true;
+  close({websocket::close_code::bad_payload, "no UTF-8"});
+  return false;
 }
 
 net::awaitable<void> Connection::read_messages(DesignSession& session) {
@@ -81,6 +122,7 @@ net::awaitable<void> Connection::read_messages(DesignSession& session) {
     }
     const auto [error, size] = co_await socket_.async_read(buffer, kAsTuple);
     if (error) co_return;
+    if (!is_whole(buffer)) co_return;
     const auto bytes = buffer.cdata();
     if (socket_.got_text()) {
       receive(session, {static_cast<const char*>(bytes.data()), bytes.size()});
@@ -207,7 +249,7 @@ void Connection::close(const websocket::close_reason& reason) {
   if (std::exchange(ending_, true)) return;
   room_.cancel();
   if (!open_) {
-    plain_stream().close();
+    transport().next_layer().close();
     return;
   }
   socket_.async_close(reason, [self = shared_from_this()](beast::error_code) {});
@@ -256,7 +298,7 @@ void Connection::abort(const char* reason) {
   if (std::exchange(ending_, true)) return;
   spdlog::warn("a client was closed: it {}", reason);
   room_.cancel();
-  plain_stream().close();
+  transport().next_layer().close();
 }
 
 }  // namespace rimlight::server

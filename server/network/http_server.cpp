@@ -21,6 +21,8 @@
 #include "server/access/host_policy.h"
 #include "server/network/http_session.h"
 #include "server/network/stop_gate.h"
+#include "server/network/tls_context.h"
+#include "server/network/transport.h"
 
 namespace rimlight::server {
 namespace {
@@ -49,6 +51,10 @@ Tcp::endpoint permitted_endpoint(const NetworkSettings& settings) {
     throw Error(where, "an address that other machines reach, and no signing keys",
                 "a loopback address (127.0.0.1, ::1, localhost), or keys for access tokens: "
                 "rimlight token --new-key FILE, then serve --key FILE");
+  }
+  if (!address.is_loopback() && settings.selftest_echo) {
+    throw Error(where, "an address that other machines reach, and --selftest-echo",
+                "a loopback address: the echo is for conformance suites alone");
   }
   return {address, settings.port};
 }
@@ -89,10 +95,11 @@ HostPolicy host_policy(const Tcp::acceptor& acceptor, const NetworkSettings& set
 }
 
 /// With the port that it really has.
-std::string address_of(const Tcp::acceptor& acceptor) {
+std::string address_of(const Tcp::acceptor& acceptor, const NetworkSettings& settings) {
   const Tcp::endpoint endpoint = acceptor.local_endpoint();
   const std::string host = endpoint.address().to_string();
-  return "http://" + (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" +
+  return (settings.tls.empty() ? "http://" : "https://") +
+         (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" +
          std::to_string(endpoint.port());
 }
 
@@ -104,10 +111,12 @@ struct HttpServer::State {
         sessions(sessions_),
         context(settings_.threads),
         acceptor(listening(context, settings)),
-        address(address_of(acceptor)),
+        tls(settings.tls.empty() ? nullptr : server_tls(settings.tls)),
+        address(address_of(acceptor, settings)),
         hosts(host_policy(acceptor, settings)),
         most_of_address(most_per_address(acceptor, settings)),
         signals(acceptor.get_executor()),
+        reload(acceptor.get_executor()),
         timer(acceptor.get_executor()),
         site{settings, hosts, files, sessions_, gate} {}
 
@@ -118,10 +127,12 @@ struct HttpServer::State {
   net::io_context context;
   // The acceptor and what follows, but the address, are its strand's.
   Tcp::acceptor acceptor;
+  std::shared_ptr<net::ssl::context> tls;  // null: in the clear; what runs keeps its own
   const std::string address;
   const HostPolicy hosts;
   const std::size_t most_of_address;
   net::signal_set signals;
+  net::signal_set reload;   // of the files of TLS
   net::steady_timer timer;  // of the housekeeping
   bool stopping = false;
   Site site;
@@ -131,6 +142,7 @@ struct HttpServer::State {
   net::awaitable<void> keep_house();
   net::awaitable<void> drain();
   void watch_signals();
+  void watch_reload();
   void stop();
 };
 
@@ -157,7 +169,9 @@ void HttpServer::State::take(Tcp::socket socket) {
   socket.set_option(Tcp::no_delay(true), failure);
   const auto executor = socket.get_executor();
   const std::string from = counted_address(peer.address().to_string());
-  auto session = std::make_shared<HttpSession>(beast::tcp_stream(std::move(socket)), site);
+  beast::tcp_stream stream(std::move(socket));
+  auto session = std::make_shared<HttpSession>(
+      tls ? Transport(std::move(stream), *tls) : Transport(std::move(stream)), site);
   const std::size_t of_address = addresses.enter(from);
   if (of_address > most_of_address + kRefusalsPerAddress ||
       !gate.enter(session, settings.most_connections + kRefusals)) {
@@ -185,8 +199,26 @@ net::awaitable<void> HttpServer::State::keep_house() {
 void HttpServer::State::watch_signals() {
   signals.add(SIGINT);
   signals.add(SIGTERM);
+  if (tls) {
+    reload.add(SIGHUP);
+    watch_reload();
+  }
   signals.async_wait([this](beast::error_code error, int) {
     if (!error) stop();
+  });
+}
+
+/// What is wrong with new files is said, and changes nothing.
+void HttpServer::State::watch_reload() {
+  reload.async_wait([this](beast::error_code error, int) {
+    if (error) return;
+    try {
+      tls = server_tls(settings.tls);
+      spdlog::info("read the certificate again: {}", settings.tls.certificate.string());
+    } catch (const Error& fault) {
+      spdlog::error("the old certificate stays: {}", fault.what());
+    }
+    watch_reload();
   });
 }
 
@@ -196,6 +228,7 @@ void HttpServer::State::stop() {
   beast::error_code ignored;
   acceptor.close(ignored);
   signals.cancel(ignored);
+  reload.cancel(ignored);
   timer.cancel();
   gate.close();
   net::co_spawn(acceptor.get_executor(), drain(), log_failure);

@@ -10,6 +10,7 @@
 
 #include "server/access/signing_keys.h"
 #include "server/network/static_files.h"
+#include "server/network/tls_context.h"
 #include "server/session/session_registry.h"
 
 namespace rimlight::server {
@@ -29,6 +30,8 @@ struct NetworkSettings {
   /// Unset: no bound of its own on loopback, where a proxy has one address for all, else 16.
   std::optional<std::size_t> most_connections_per_address{};
   double messages_per_second = 1000;  // of one client: access/edit_allowance.h
+  TlsFiles tls{};                     // empty: in the clear
+  bool selftest_echo = false;         // /selftest/echo, for conformance suites; on loopback only
 };
 
 /// HTTP and WebSocket on one port: the page, /healthz, /readyz, /api/scenes, /api/curves and
@@ -36,18 +39,19 @@ struct NetworkSettings {
 class HttpServer {
  public:
   /// Binds and listens. Throws Error naming the address: beyond loopback without keys, or busy;
-  /// or the host name or origin that is none.
+  /// or the host name or origin that is none, or the file of TLS that cannot be used.
   /// `files` and `sessions` must outlive it.
   HttpServer(const NetworkSettings& settings, const StaticFiles& files, SessionRegistry& sessions);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
-  /// "http://127.0.0.1:8080", with the port that it really has.
+  /// "http://127.0.0.1:8080", or https, with the port that it really has.
   std::string address() const;
 
   /// Serves until stop(), or SIGINT or SIGTERM when asked to watch them. Stops accepting, closes
-  /// every socket politely (WebSocket: going away), and after the deadline hard.
+  /// every socket politely (WebSocket: going away), and after the deadline hard. SIGHUP, when
+  /// watched, reads the files of TLS again; where they are wrong the old ones stay.
   enum class Signals { watch, leave_alone };
   void run(Signals signals);
   /// Any thread; at once. run() returns soon after.

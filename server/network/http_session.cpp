@@ -5,7 +5,6 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/error.hpp>
-#include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -25,6 +24,9 @@ namespace net = boost::asio;
 
 constexpr auto kAsTuple = net::as_tuple(net::use_awaitable);
 constexpr std::uint32_t kLargestHeader = 16 * 1024;
+constexpr std::chrono::seconds kGoodbye{2};  // for the end of TLS
+constexpr std::uint64_t kLargestEchoedBody = 64 * 1024;
+constexpr std::string_view kEchoPath = "/selftest/echo";
 
 using Request = HttpSession::Request;
 using Response = HttpSession::Response;
@@ -94,15 +96,24 @@ Response refuse(const Request& request, const Refusal& refusal) {
 
 }  // namespace
 
-HttpSession::HttpSession(beast::tcp_stream stream, const Site& site)
+HttpSession::HttpSession(Transport stream, const Site& site)
     : site_(site), stream_(std::move(stream)), strand_(stream_.get_executor()) {}
 
+/// The handshake of TLS and the first header have one deadline together.
 net::awaitable<void> HttpSession::run() {
+  stream_.next_layer().expires_after(site_.settings.handshake_timeout);
+  const bool speaks = co_await stream_.accept();
+  if (!speaks) co_return;
+  co_await serve();
+  if (!connection_) co_await stream_.finish(kGoodbye);
+}
+
+net::awaitable<void> HttpSession::serve() {
   beast::flat_buffer buffer(kLargestHeader);
-  while (!stopping_) {
-    http::request_parser<http::empty_body> parser;
+  for (bool first = true; !stopping_; first = false) {
+    HeaderParser parser;
     parser.header_limit(kLargestHeader);
-    stream_.expires_after(site_.settings.handshake_timeout);
+    if (!first) stream_.next_layer().expires_after(site_.settings.handshake_timeout);
     const auto [error, size] = co_await http::async_read_header(stream_, buffer, parser, kAsTuple);
     if (error) {
       if (is_malformed(error)) {
@@ -112,13 +123,18 @@ net::awaitable<void> HttpSession::run() {
       }
       break;
     }
-    const bool has_body = !parser.is_done();
-    Request request = parser.release();
-    if (const auto fault = request_fault(request, has_body, site_.hosts)) {
-      request.keep_alive(false);  // whatever follows is no request
-      co_await answer(stream_, refuse(request, *fault));
+    const Body body = body_of(parser);
+    if (const auto fault = request_fault(parser.get(), body, site_.hosts)) {
+      parser.get().keep_alive(false);  // whatever follows is no request
+      co_await answer(stream_, refuse(parser.get(), *fault));
       break;
     }
+    if (body == Body::taken) {
+      const bool more = co_await answer_body(parser, buffer);
+      if (!more) break;
+      continue;
+    }
+    Request request = parser.release();
     if (!refusing_ && beast::websocket::is_upgrade(request)) {
       co_await upgrade(std::move(request));
       co_return;
@@ -126,13 +142,34 @@ net::awaitable<void> HttpSession::run() {
     const bool keep_alive = co_await answer(stream_, respond(request));
     if (!keep_alive) break;
   }
-  beast::error_code ignored;
-  stream_.socket().shutdown(net::ip::tcp::socket::shutdown_send, ignored);
+}
+
+Body HttpSession::body_of(const HeaderParser& parser) const {
+  if (parser.is_done()) return Body::none;
+  return site_.settings.selftest_echo ? Body::taken : Body::unwanted;
+}
+
+/// Of a conformance suite: its body comes back. True when another request may follow.
+net::awaitable<bool> HttpSession::answer_body(HeaderParser& header, beast::flat_buffer& buffer) {
+  http::request_parser<http::string_body> parser(std::move(header));
+  parser.body_limit(kLargestEchoedBody);
+  const auto [error, size] = co_await http::async_read(stream_, buffer, parser, kAsTuple);
+  Request request(parser.get().base());
+  if (error) {
+    request.keep_alive(false);
+    if (is_malformed(error)) {
+      co_await answer(stream_, plain(request, http::status::bad_request, error.message()));
+    }
+    co_return false;
+  }
+  co_return co_await answer(
+      stream_, make_response(http::status::ok, request.version(), parser.get().keep_alive(),
+                             "application/octet-stream", std::move(parser.get().body())));
 }
 
 /// True when another request may follow.
-net::awaitable<bool> HttpSession::answer(beast::tcp_stream& stream, Response response) {
-  stream.expires_after(site_.settings.handshake_timeout);
+net::awaitable<bool> HttpSession::answer(Transport& stream, Response response) {
+  stream.next_layer().expires_after(site_.settings.handshake_timeout);
   const auto [error, size] = co_await http::async_write(stream, response, kAsTuple);
   if (error) co_return false;
   co_return response.keep_alive();
@@ -146,6 +183,10 @@ net::awaitable<void> HttpSession::upgrade(Request request) {
   std::variant<Access, Refusal> admitted;
   if (const auto fault = origin_fault(request, site_.hosts)) {
     refusal = refuse(request, *fault);
+  } else if (site_.settings.selftest_echo && view(request.target()) == kEchoPath) {
+    connection_ = std::make_shared<Connection>(std::move(stream_), site_.settings, Access{});
+    co_await connection_->echo(std::move(request));
+    co_return;
   } else {
     try {
       target = parse_stream_target(view(request.target()));
@@ -181,7 +222,8 @@ net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& t
   if (session) {
     co_await connection_->run(std::move(request), std::move(session));
   } else {
-    co_await answer(connection_->plain_stream(), std::move(refusal));
+    co_await answer(connection_->transport(), std::move(refusal));
+    co_await connection_->transport().finish(kGoodbye);
   }
 }
 
@@ -229,7 +271,7 @@ void HttpSession::stop() {
     if (self->connection_) {
       self->connection_->stop();
     } else {
-      self->stream_.close();
+      self->stream_.next_layer().close();
     }
   });
 }

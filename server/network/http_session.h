@@ -4,16 +4,19 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
+#include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <memory>
 
 #include "server/access/host_policy.h"
 #include "server/network/connection.h"
 #include "server/network/http_server.h"
+#include "server/network/request_checks.h"
 #include "server/network/stop_gate.h"
+#include "server/network/transport.h"
 
 namespace rimlight::server {
 
@@ -33,7 +36,7 @@ class HttpSession final : public Stoppable, public std::enable_shared_from_this<
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
-  HttpSession(boost::beast::tcp_stream stream, const Site& site);
+  HttpSession(Transport stream, const Site& site);
 
   boost::asio::awaitable<void> run();
   /// Before run(): every request is answered with 503, since too many sockets are open.
@@ -41,14 +44,19 @@ class HttpSession final : public Stoppable, public std::enable_shared_from_this<
   void stop() override;
 
  private:
+  using HeaderParser = boost::beast::http::request_parser<boost::beast::http::empty_body>;
+
+  boost::asio::awaitable<void> serve();
+  Body body_of(const HeaderParser& parser) const;
+  boost::asio::awaitable<bool> answer_body(HeaderParser& header, boost::beast::flat_buffer& buffer);
   boost::asio::awaitable<void> upgrade(Request request);
   boost::asio::awaitable<void> connect(Request request, const StreamTarget& target,
                                        const Access& access);
-  boost::asio::awaitable<bool> answer(boost::beast::tcp_stream& stream, Response response);
+  boost::asio::awaitable<bool> answer(Transport& stream, Response response);
   Response respond(const Request& request) const;
 
   const Site& site_;
-  boost::beast::tcp_stream stream_;  // moves into the connection
+  Transport stream_;  // moves into the connection
   const boost::asio::any_io_executor strand_;
   std::shared_ptr<Connection> connection_;  // once it is a WebSocket
   bool refusing_ = false;

@@ -26,7 +26,7 @@ std::string bearer_token(const EmptyRequest& request) {
 
 }  // namespace
 
-std::optional<Refusal> request_fault(const EmptyRequest& request, bool has_body,
+std::optional<Refusal> request_fault(const EmptyRequest& request, Body body,
                                      const HostPolicy& hosts) {
   if (request.count(http::field::host) != 1) {
     return Refusal{http::status::bad_request, "exactly one Host header is needed"};
@@ -34,7 +34,14 @@ std::optional<Refusal> request_fault(const EmptyRequest& request, bool has_body,
   if (!hosts.allows_host(view(request[http::field::host]))) {
     return Refusal{http::status::misdirected_request, "this server has another name"};
   }
-  if (has_body) return Refusal{http::status::bad_request, "a body is not taken"};
+  // Who does not know a coding cannot know where the request ends (RFC 9112, 6.1).
+  const auto coding = request.find(http::field::transfer_encoding);
+  if (coding != request.end() && !beast::iequals(coding->value(), "chunked")) {
+    return Refusal{http::status::bad_request, "an unknown transfer coding"};
+  }
+  if (body == Body::unwanted) {
+    return Refusal{http::status::bad_request, "a body is not taken"};
+  }
   return std::nullopt;
 }
 
