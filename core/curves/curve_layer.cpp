@@ -39,11 +39,16 @@ struct CurveLayer::State {
   PanelFreshness freshness;
   std::vector<MaterialEdit> edits;         // [material]
   std::vector<CurveMaterialState> states;  // [material]
+  QuickShader shader;
   std::optional<CurveLight> light;
   CubeLight texels;                 // that the light is of
   AlignedVector<float> quick;       // [panel][3][kPanelRows]
   std::uint64_t quick_version = 0;  // of freshness, that it shows
   std::vector<std::vector<std::uint32_t>> panels_of_tile;
+  std::vector<std::uint32_t> listed;                        // panels to work on
+  std::vector<std::uint8_t> is_made;                        // [listed]
+  std::optional<decltype(DesignState::materials)> said_of;  // the edits that `unshown` is of
+  std::vector<std::string> unshown;
 
   State(std::shared_ptr<const Bake> bake_, const CurveLayerSettings& settings_)
       : bake(std::move(bake_)),
@@ -55,15 +60,23 @@ struct CurveLayer::State {
         updater(transport, settings.policy),
         freshness(transport),
         edits(receivers.materials.size()),
+        states(start()),
+        shader(transport, states),
         quick(transport.panels().size() * kPanelFloats),
         panels_of_tile(bake->manifest().pixels.tile_count()) {
-    for (std::uint32_t m = 0; m < receivers.materials.size(); ++m) {
-      states.push_back(resolve(m, {}));
-      freshness.start(m, states.back());
-    }
     for (std::uint32_t panel = 0; panel < transport.panels().size(); ++panel) {
       panels_of_tile[transport.panels()[panel].tile].push_back(panel);
     }
+  }
+
+  /// The materials as they were baked.
+  std::vector<CurveMaterialState> start() {
+    std::vector<CurveMaterialState> baked;
+    for (std::uint32_t m = 0; m < receivers.materials.size(); ++m) {
+      baked.push_back(resolve(m, {}));
+      freshness.start(m, baked.back());
+    }
+    return baked;
   }
 
   CurveMaterialState resolve(std::uint32_t material, const MaterialEdit& edit) const {
@@ -81,8 +94,12 @@ struct CurveLayer::State {
     const DesignState& wanted = request.state;
     const bool is_other_light = !light || texels.values != request.texels.values;
     if (is_other_light) {
-      light.emplace(sky, request.texels,
-                    std::min(settings.strongest_texels, request.texels.count()));
+      if (light) {
+        light->set(request.texels);
+      } else {
+        light.emplace(sky, request.texels,
+                      std::min(settings.strongest_texels, request.texels.count()));
+      }
       texels = request.texels;
       freshness.change_light();
     }
@@ -92,6 +109,7 @@ struct CurveLayer::State {
       CurveMaterialState next = resolve(m, edit);
       freshness.change_material(m, change(states[m], next), next);
       states[m] = std::move(next);
+      shader.change(m);
       edits[m] = std::move(edit);
     }
     for (std::uint32_t m = 0; m < edits.size(); ++m) aim(m);
@@ -135,22 +153,21 @@ struct CurveLayer::State {
     }
   }
 
-  /// Makes panels anew until abandoned; whether all are.
-  bool rebuild_all(const std::vector<std::uint32_t>& panels,
-                   const std::function<std::optional<CurveAxis>(std::uint32_t material)>& axis_of,
-                   const std::function<bool()>& abandon) {
+  /// Makes the listed panels anew until abandoned; whether all are.
+  template <typename AxisOf>
+  bool rebuild_listed(const AxisOf& axis_of, const std::function<bool()>& abandon) {
     std::atomic<bool> is_abandoned{false};
-    std::vector<std::uint8_t> is_made(panels.size());
-    parallel_for(panels.size(), [&](std::size_t i) {
+    is_made.assign(listed.size(), 0);
+    parallel_for(listed.size(), [&](std::size_t i) {
       if (is_abandoned || (abandon && abandon())) {
         is_abandoned = true;
         return;
       }
-      rebuild(panels[i], axis_of(transport.panels()[panels[i]].material));
+      rebuild(listed[i], axis_of(transport.panels()[listed[i]].material));
       is_made[i] = 1;
     });
-    for (std::size_t i = 0; i < panels.size(); ++i) {
-      if (is_made[i] != 0) show_made(panels[i]);
+    for (std::size_t i = 0; i < listed.size(); ++i) {
+      if (is_made[i] != 0) show_made(listed[i]);
     }
     return !is_abandoned;
   }
@@ -169,8 +186,8 @@ struct CurveLayer::State {
   }
 
   bool make_fresh(const std::function<bool()>& abandon) {
-    return rebuild_all(
-        freshness.stale_panels(), [&](std::uint32_t m) { return freshness.axis(m); }, abandon);
+    freshness.list_stale(listed);
+    return rebuild_listed([&](std::uint32_t m) { return freshness.axis(m); }, abandon);
   }
 
   /// Norms of what is fresh, one material after the other.
@@ -186,22 +203,26 @@ struct CurveLayer::State {
 
   void shade_the_rest_quickly() {
     if (quick_version == freshness.version()) return;
-    const auto panels = freshness.unshown_panels();
-    RIMLIGHT_CHECK(shade_quickly(transport, *light, states, panels,
-                                 quick_detail(panels.size() * kPanelRows), {}, quick));
+    freshness.list_unshown(listed);
+    const QuickDetail detail = quick_detail(listed.size() * kPanelRows);
+    RIMLIGHT_CHECK(shader.shade(*light, listed, detail, {}, quick));
     quick_version = freshness.version();
   }
 
-  LayerReport describe(const DesignState& state, std::size_t terms) const {
+  LayerReport describe(const DesignState& state, std::size_t terms) {
     LayerReport report;
     report.terms = terms;
     report.squared_error_of_time = updater.squared_error();
+    freshness.list_unshown(listed);
     report.squared_error_of_time +=
-        sampled_squared_error(transport, *light, states, freshness.unshown_panels(), quick,
-                              settings.sampled_rows, kSampleSeed);
+        shader.sampled_squared_error(*light, listed, quick, settings.sampled_rows, kSampleSeed);
     report.squared_error = report.squared_error_of_time;
     report.unfinished = freshness.unfinished();
-    report.unshown = unshown_edits(receivers, states, state);
+    if (!said_of || *said_of != state.materials) {
+      unshown = unshown_edits(receivers, states, state);
+      said_of = state.materials;
+    }
+    report.unshown = unshown;
     return report;
   }
 };
@@ -232,9 +253,9 @@ Unfinished CurveLayer::improve(const std::function<bool()>& abandon) {
   if (!state.light) return Unfinished::nothing;
   if (state.make_fresh(abandon)) {
     state.find_norms(abandon);
-    const auto panels = state.freshness.stale_panels_of_other_axis();
-    (void)state.rebuild_all(
-        panels, [&](std::uint32_t m) { return state.freshness.other_axis(m); }, abandon);
+    state.freshness.list_stale_of_other_axis(state.listed);
+    (void)state.rebuild_listed([&](std::uint32_t m) { return state.freshness.other_axis(m); },
+                               abandon);
   }
   return state.freshness.unfinished();
 }

@@ -11,7 +11,7 @@ namespace rimlight {
 struct CurveLayerSettings {
   CurvePolicy policy = CurvePolicy::benefit;
   /// Texels of a light that has just changed that are summed exactly; the rest goes by means.
-  std::size_t strongest_texels = 256;
+  std::size_t strongest_texels = 128;
   /// Rows whose exact value tells the error of such an image.
   std::size_t sampled_rows = 256;
   /// So long does a frame under the light of the frame before make T′ where it is stale, so that it

@@ -110,25 +110,15 @@ Vec3f radiance_at(const PointRadiance& radiance, std::size_t point) {
   return {radiance.radiance[0][point], radiance.radiance[1][point], radiance.radiance[2][point]};
 }
 
-/// The points of most radiance · solid angle, ascending; equals by index.
-std::vector<std::uint32_t> find_strongest(const CurveSky& sky, const PointRadiance& radiance,
-                                          std::size_t count) {
-  std::vector<std::uint32_t> points(sky.texel_of_point().size());
-  std::iota(points.begin(), points.end(), 0u);
-  const auto energy = [&](std::uint32_t i) {
-    const Vec3f rgb = radiance_at(radiance, i);
-    return (rgb.x + rgb.y + rgb.z) * sky.solid_angles()[i];
-  };
-  const auto middle = points.begin() + static_cast<std::ptrdiff_t>(count);
-  if (middle != points.end()) {
-    std::ranges::nth_element(points, middle, [&](std::uint32_t a, std::uint32_t b) {
-      const float of_a = energy(a), of_b = energy(b);
-      return of_a != of_b ? of_a > of_b : a < b;
-    });
-  }
-  points.resize(count);
-  std::ranges::sort(points);
-  return points;
+void clear(PointRadiance& radiance) {
+  for (auto& channel : radiance.radiance) std::ranges::fill(channel, 0.0f);
+  std::ranges::fill(radiance.is_lit, 0.0f);
+  std::ranges::fill(radiance.lit_vector, std::uint8_t{0});
+}
+
+/// The coarse point that a point is part of: a block's 8 × 8 are 2 × 2 of 4 × 4 each.
+std::size_t coarse_point(std::size_t point) {
+  return point / 64 * 4 + point % 64 / 32 * 2 + point % 8 / 4;
 }
 
 }  // namespace
@@ -149,44 +139,76 @@ CurveSky::CurveSky(int cube_size) : cube_size_(cube_size) {
 }
 
 CurveLight::CurveLight(const CurveSky& sky, const CubeLight& light, std::size_t strongest)
-    : sky_(&sky) {
-  RIMLIGHT_CHECK_EQ(light.size, sky.cube_size());
-  const std::size_t count = sky.texel_of_point().size();
-  RIMLIGHT_CHECK(strongest <= count);
-  texels_ = make_radiance(sky.texels().size());
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec3f value = light.at(sky.texel_of_point()[i]);
-    RIMLIGHT_CHECK(is_finite(value));
-    set(texels_, i, value);
-  }
-  strongest_indices_ = find_strongest(sky, texels_, strongest);
-  strongest_points_ = make_points(strongest);
+    : sky_(&sky),
+      texels_(make_radiance(sky.texels().size())),
+      coarse_(make_radiance(sky.coarse().size())),
+      strongest_points_(make_points(strongest)),
+      strongest_indices_(strongest),
+      order_(sky.texel_of_point().size()),
+      means_(order_.size() / 16) {
+  RIMLIGHT_CHECK(strongest <= order_.size());
   strongest_ = make_radiance(strongest_points_.size());
-  std::vector<Vec3d> rest(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    rest[i] = Vec3d(radiance_at(texels_, i)) * sky.solid_angles()[i];
+  set(light);
+}
+
+void CurveLight::set(const CubeLight& light) {
+  RIMLIGHT_CHECK_EQ(light.size, sky_->cube_size());
+  for (PointRadiance* const each : {&texels_, &coarse_, &strongest_}) clear(*each);
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const Vec3f value = light.at(sky_->texel_of_point()[i]);
+    RIMLIGHT_CHECK(is_finite(value));
+    rimlight::set(texels_, i, value);
   }
-  for (std::size_t i = 0; i < strongest; ++i) {
+  find_strongest();
+  take_strongest();
+  find_means();
+}
+
+/// The points of most radiance · solid angle, ascending; equals by index.
+void CurveLight::find_strongest() {
+  std::iota(order_.begin(), order_.end(), 0u);
+  const auto energy = [&](std::uint32_t i) {
+    const Vec3f rgb = radiance_at(texels_, i);
+    return (rgb.x + rgb.y + rgb.z) * sky_->solid_angles()[i];
+  };
+  const auto middle = order_.begin() + static_cast<std::ptrdiff_t>(strongest_indices_.size());
+  if (middle != order_.end()) {
+    std::ranges::nth_element(order_, middle, [&](std::uint32_t a, std::uint32_t b) {
+      const float of_a = energy(a), of_b = energy(b);
+      return of_a != of_b ? of_a > of_b : a < b;
+    });
+  }
+  std::copy(order_.begin(), middle, strongest_indices_.begin());
+  std::ranges::sort(strongest_indices_);
+}
+
+void CurveLight::take_strongest() {
+  for (std::size_t i = 0; i < strongest_indices_.size(); ++i) {
     const std::uint32_t point = strongest_indices_[i];
     for (std::size_t q = 0; q < kQuarters; ++q) {
-      const auto& quarter = sky.texels().quarters[q];
-      set(strongest_points_, q, i, direction(quarter, point), quarter.solid_angle[point]);
+      const auto& quarter = sky_->texels().quarters[q];
+      rimlight::set(strongest_points_, q, i, direction(quarter, point), quarter.solid_angle[point]);
     }
-    set(strongest_, i, radiance_at(texels_, point));
-    rest[point] = {};
+    rimlight::set(strongest_, i, radiance_at(texels_, point));
   }
   find_cones(strongest_points_);
-  coarse_ = make_radiance(sky.coarse().size());
-  // A block's 8 × 8 points are 2 × 2 coarse ones of 4 × 4 each.
-  std::vector<Vec3d> sums(count / 16);
-  std::vector<double> solid_angles(count / 16);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t coarse = i / 64 * 4 + i % 64 / 32 * 2 + i % 8 / 4;
-    sums[coarse] += rest[i];
-    solid_angles[coarse] += sky.solid_angles()[i];
+}
+
+/// Of all but the strongest.
+void CurveLight::find_means() {
+  std::ranges::fill(means_, Mean{});
+  auto strongest = strongest_indices_.begin();
+  for (std::uint32_t i = 0; i < order_.size(); ++i) {
+    Mean& mean = means_[coarse_point(i)];
+    mean.solid_angle += sky_->solid_angles()[i];
+    if (strongest != strongest_indices_.end() && *strongest == i) {
+      ++strongest;
+    } else {
+      mean.sum += Vec3d(radiance_at(texels_, i)) * sky_->solid_angles()[i];
+    }
   }
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    set(coarse_, i, Vec3f(sums[i] / solid_angles[i]));
+  for (std::size_t i = 0; i < means_.size(); ++i) {
+    rimlight::set(coarse_, i, Vec3f(means_[i].sum / means_[i].solid_angle));
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/base/aligned_vector.h"
 #include "core/light/cube_light.h"
+#include "core/math/vec.h"
 
 namespace rimlight {
 
@@ -66,12 +67,14 @@ struct PointRadiance {
 };
 
 /// A light as it is summed over the sky: all texels; and, for the quick image, the strongest ones
-/// by radiance · solid angle, and the mean of the rest over 4 × 4 texels. Immutable; any thread.
+/// by radiance · solid angle, and the mean of the rest over 4 × 4 texels. Any thread may read it.
 /// The sky must outlive it.
 class CurveLight {
  public:
   /// `light`: texels of the sky's size, finite, else CheckFailure. `strongest` at most all.
   CurveLight(const CurveSky& sky, const CubeLight& light, std::size_t strongest);
+  /// Another light of as many strongest texels; allocates nothing. CheckFailure as above.
+  void set(const CubeLight& light);
 
   const CurveSky& sky() const { return *sky_; }
   const PointRadiance& texels() const { return texels_; }
@@ -82,10 +85,21 @@ class CurveLight {
   std::span<const std::uint32_t> strongest_indices() const { return strongest_indices_; }
 
  private:
+  void find_strongest();
+  void take_strongest();
+  void find_means();
+
   const CurveSky* sky_;
   PointRadiance texels_, coarse_, strongest_;
   LightPoints strongest_points_;
   std::vector<std::uint32_t> strongest_indices_;
+  // Where a light is worked out.
+  struct Mean {
+    Vec3d sum;
+    double solid_angle = 0;
+  };
+  std::vector<std::uint32_t> order_;
+  std::vector<Mean> means_;
 };
 
 }  // namespace rimlight

@@ -75,27 +75,36 @@ bool PanelFreshness::all_fresh(std::uint32_t material) const {
 }
 
 template <typename Is>
-std::vector<std::uint32_t> PanelFreshness::panels_that(const Is& is) const {
-  std::vector<std::uint32_t> result;
+void PanelFreshness::list(std::vector<std::uint32_t>& panels, const Is& is) const {
+  panels.clear();
   for (std::uint32_t panel = 0; panel < shown_.size(); ++panel) {
-    if (is(panel)) result.push_back(panel);
+    if (is(panel)) panels.push_back(panel);
   }
-  return result;
 }
 
-std::vector<std::uint32_t> PanelFreshness::stale_panels() const {
-  return panels_that([this](std::uint32_t panel) { return !is_fresh(panel); });
+template <typename Is>
+bool PanelFreshness::any(const Is& is) const {
+  for (std::uint32_t panel = 0; panel < shown_.size(); ++panel) {
+    if (is(panel)) return true;
+  }
+  return false;
 }
 
-std::vector<std::uint32_t> PanelFreshness::stale_panels_of_other_axis() const {
-  return panels_that([this](std::uint32_t panel) {
-    const auto other = material_of(panel).other;
-    return other && !is_fresh(panel, *other);
-  });
+void PanelFreshness::list_stale(std::vector<std::uint32_t>& panels) const {
+  list(panels, [this](std::uint32_t panel) { return !is_fresh(panel); });
 }
 
-std::vector<std::uint32_t> PanelFreshness::unshown_panels() const {
-  return panels_that([this](std::uint32_t panel) { return !is_shown(panel); });
+bool PanelFreshness::is_stale_on_other_axis(std::uint32_t panel) const {
+  const auto other = material_of(panel).other;
+  return other && !is_fresh(panel, *other);
+}
+
+void PanelFreshness::list_stale_of_other_axis(std::vector<std::uint32_t>& panels) const {
+  list(panels, [this](std::uint32_t panel) { return is_stale_on_other_axis(panel); });
+}
+
+void PanelFreshness::list_unshown(std::vector<std::uint32_t>& panels) const {
+  list(panels, [this](std::uint32_t panel) { return !is_shown(panel); });
 }
 
 bool PanelFreshness::is_shown(std::uint32_t panel) const {
@@ -121,11 +130,14 @@ void PanelFreshness::mark_all_shown(std::uint32_t material) {
 }
 
 Unfinished PanelFreshness::unfinished() const {
-  if (!stale_panels().empty()) return Unfinished::exact_frame;
+  if (any([this](std::uint32_t panel) { return !is_fresh(panel); })) {
+    return Unfinished::exact_frame;
+  }
   bool all_norms = true;
   for (std::uint32_t m = 0; m < materials_.size(); ++m) all_norms &= has_norms(m);
-  return all_norms && stale_panels_of_other_axis().empty() ? Unfinished::nothing
-                                                           : Unfinished::next_edits;
+  const bool is_other_axis_stale =
+      any([this](std::uint32_t panel) { return is_stale_on_other_axis(panel); });
+  return all_norms && !is_other_axis_stale ? Unfinished::nothing : Unfinished::next_edits;
 }
 
 bool PanelFreshness::has_norms(std::uint32_t material) const {

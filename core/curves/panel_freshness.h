@@ -40,13 +40,13 @@ class PanelFreshness {
   bool is_fresh(std::uint32_t panel, CurveAxis axis) const;
   /// All panels of a material.
   bool all_fresh(std::uint32_t material) const;
-  std::vector<std::uint32_t> stale_panels() const;
-  std::vector<std::uint32_t> stale_panels_of_other_axis() const;
+  void list_stale(std::vector<std::uint32_t>& panels) const;
+  void list_stale_of_other_axis(std::vector<std::uint32_t>& panels) const;
 
   /// What is shown of a panel is what it was made for last, and it is fresh.
   bool is_shown(std::uint32_t panel) const;
   bool all_shown(std::uint32_t material) const;
-  std::vector<std::uint32_t> unshown_panels() const;
+  void list_unshown(std::vector<std::uint32_t>& panels) const;
   void mark_shown(std::uint32_t panel);
   void mark_all_shown(std::uint32_t material);
 
@@ -70,8 +70,11 @@ class PanelFreshness {
   const Material& material_of(std::uint32_t panel) const {
     return materials_[transport_->panels()[panel].material];
   }
+  bool is_stale_on_other_axis(std::uint32_t panel) const;
   template <typename Is>
-  std::vector<std::uint32_t> panels_that(const Is& is) const;
+  void list(std::vector<std::uint32_t>& panels, const Is& is) const;
+  template <typename Is>
+  bool any(const Is& is) const;
   void show_on(Material& material, CurveAxis axis, const CurveMaterialState& state);
 
   const CurveTransport* transport_;

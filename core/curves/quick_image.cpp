@@ -15,20 +15,6 @@
 namespace rimlight {
 namespace {
 
-/// The state and its tables, for each material.
-class Shaders {
- public:
-  explicit Shaders(std::span<const CurveMaterialState> states) : states_(states) {
-    for (const auto& state : states) tables_.push_back(make_tables(state, CurveAxis::half_angle));
-  }
-  const CurveMaterialState& state(const CurvePanel& panel) const { return states_[panel.material]; }
-  const LobeTables& tables(const CurvePanel& panel) const { return tables_[panel.material]; }
-
- private:
-  std::span<const CurveMaterialState> states_;
-  std::vector<LobeTables> tables_;
-};
-
 Vec3f shade_surface(const CurveReceivers& receivers, std::size_t surface, const CurveLight& light,
                     const CurveMaterialState& state, const LobeTables& tables) {
   thread_local SurfaceSight means, strongest;
@@ -47,23 +33,8 @@ Vec3f shade_surface(const CurveReceivers& receivers, std::size_t surface, const 
   return radiance;
 }
 
-/// A row of a panel.
-struct RowPlace {
-  std::size_t panel = 0, row = 0;
-};
-
-std::vector<RowPlace> all_rows(const CurveTransport& rows, std::span<const std::uint32_t> panels) {
-  std::vector<RowPlace> places;
-  for (const std::uint32_t panel : panels) {
-    for (std::size_t row = 0; row < rows.panels()[panel].row_count; ++row) {
-      places.push_back({panel, row});
-    }
-  }
-  return places;
-}
-
-/// Finds the row that stands for another: the first of its pair of pixels, or of its square of
-/// four, that is like it. Rows are asked for in order.
+/// Finds the row that stands for another: the first of its pair of pixels, of its square of four or
+/// of its block, that is like it. Rows are asked for in order.
 class Leaders {
  public:
   Leaders(const CurveReceivers& receivers, const CurvePanel& panel, QuickDetail detail)
@@ -76,7 +47,7 @@ class Leaders {
     const std::uint32_t block = receiver / kBlockReceivers, place = receiver % kBlockReceivers;
     if (block != block_) rows_ = {kNone, kNone, kNone, kNone};
     block_ = block;
-    std::size_t& first = rows_[detail_ == QuickDetail::one_of_two ? place / 2 : place % 4 / 2];
+    std::size_t& first = rows_[group(place)];
     if (first != kNone && are_alike(first, row)) return first;
     if (first == kNone) first = row;
     return std::nullopt;
@@ -85,6 +56,16 @@ class Leaders {
  private:
   static constexpr std::size_t kNone = ~std::size_t{0};
 
+  std::size_t group(std::uint32_t place) const {
+    switch (detail_) {
+      case QuickDetail::one_of_two:
+        return place / 2;
+      case QuickDetail::one_of_four:
+        return place % 4 / 2;
+      default:
+        return 0;
+    }
+  }
   std::size_t surface_count(std::size_t row) const {
     return panel_.first_surface[row + 1] - panel_.first_surface[row];
   }
@@ -92,9 +73,9 @@ class Leaders {
     return receivers_.surfaces[panel_.first_surface[row]];
   }
   bool are_alike(std::size_t a, std::size_t b) const {
-    constexpr float kAlike = 0.998f;
+    const float alike = detail_ == QuickDetail::one_of_eight ? 0.99f : 0.998f;
     const auto like = [&](std::size_t point) {
-      return dot(surface(a).points[point].normal, surface(b).points[point].normal) >= kAlike;
+      return dot(surface(a).points[point].normal, surface(b).points[point].normal) >= alike;
     };
     return surface(a).tint == surface(b).tint && like(0) && like(kSurfacePoints - 1);
   }
@@ -121,20 +102,28 @@ void copy_row(const CurveReceivers& receivers, const CurvePanel& panel, std::siz
 }  // namespace
 
 QuickDetail quick_detail(std::size_t row_count) {
-  constexpr std::size_t kMostRows = 40'000;
+  constexpr std::size_t kMostRows = 24'000;  // shaded in about a tenth of a second on two cores
   if (row_count <= kMostRows) return QuickDetail::every_row;
-  return row_count <= 2 * kMostRows ? QuickDetail::one_of_two : QuickDetail::one_of_four;
+  if (row_count <= 2 * kMostRows) return QuickDetail::one_of_two;
+  return row_count <= 4 * kMostRows ? QuickDetail::one_of_four : QuickDetail::one_of_eight;
 }
 
-bool shade_quickly(const CurveTransport& rows, const CurveLight& light,
-                   std::span<const CurveMaterialState> states,
-                   std::span<const std::uint32_t> panels, QuickDetail detail,
-                   const std::function<bool()>& abandon, std::span<float> image) {
+QuickShader::QuickShader(const CurveTransport& rows, std::span<const CurveMaterialState> states)
+    : rows_(rows), states_(states) {
   RIMLIGHT_CHECK_EQ(states.size(), rows.material_count());
-  RIMLIGHT_CHECK_EQ(image.size(), rows.panels().size() * kPanelFloats);
-  const CurveReceivers& receivers = rows.receivers();
+  for (const auto& state : states) tables_.push_back(make_tables(state, CurveAxis::half_angle));
+}
+
+void QuickShader::change(std::size_t material) {
+  tables_[material] = make_tables(states_[material], CurveAxis::half_angle);
+}
+
+bool QuickShader::shade(const CurveLight& light, std::span<const std::uint32_t> panels,
+                        QuickDetail detail, const std::function<bool()>& abandon,
+                        std::span<float> image) const {
+  RIMLIGHT_CHECK_EQ(image.size(), rows_.panels().size() * kPanelFloats);
+  const CurveReceivers& receivers = rows_.receivers();
   RIMLIGHT_CHECK_EQ(light.sky().cube_size(), receivers.visibility.cube_size);
-  const Shaders shaders(states);
   std::atomic<bool> abandoned = false;
   parallel_for(panels.size(), [&](std::size_t i) {
     if (abandoned.load(std::memory_order_relaxed)) return;
@@ -143,7 +132,7 @@ bool shade_quickly(const CurveTransport& rows, const CurveLight& light,
       return;
     }
     const std::size_t p = panels[i];
-    const CurvePanel& panel = rows.panels()[p];
+    const CurvePanel& panel = rows_.panels()[p];
     float* const to = image.data() + p * kPanelFloats;
     std::fill_n(to, kPanelFloats, 0.0f);
     Leaders leaders(receivers, panel, detail);
@@ -154,7 +143,8 @@ bool shade_quickly(const CurveTransport& rows, const CurveLight& light,
       }
       Vec3f radiance;
       for (auto s = panel.first_surface[row]; s < panel.first_surface[row + 1]; ++s) {
-        radiance += shade_surface(receivers, s, light, shaders.state(panel), shaders.tables(panel));
+        radiance +=
+            shade_surface(receivers, s, light, states_[panel.material], tables_[panel.material]);
       }
       for (std::size_t c = 0; c < 3; ++c) to[c * kPanelRows + row] = radiance[static_cast<int>(c)];
     }
@@ -162,41 +152,51 @@ bool shade_quickly(const CurveTransport& rows, const CurveLight& light,
   return !abandoned;
 }
 
+/// One of each stratum of rows, which lie by tile and material.
+void QuickShader::draw_rows(std::span<const std::uint32_t> panels, std::size_t sample,
+                            std::uint64_t seed) {
+  std::size_t total = 0;
+  for (const std::uint32_t panel : panels) total += rows_.panels()[panel].row_count;
+  sample_.assign(std::min(sample, total), {});
+  std::size_t at = 0, before = 0;  // the panel that is looked at, and the rows before it
+  for (std::size_t i = 0; i < sample_.size(); ++i) {
+    Random random(seed, i);
+    const std::size_t begin = total * i / sample_.size(), end = total * (i + 1) / sample_.size();
+    const std::size_t drawn = begin + random.below(end - begin);
+    while (drawn - before >= rows_.panels()[panels[at]].row_count) {
+      before += rows_.panels()[panels[at++]].row_count;
+    }
+    sample_[i] = {panels[at], drawn - before, end - begin};
+  }
+}
+
+double QuickShader::sampled_squared_error(const CurveLight& light,
+                                          std::span<const std::uint32_t> panels,
+                                          std::span<const float> image, std::size_t sample,
+                                          std::uint64_t seed) {
+  RIMLIGHT_CHECK_EQ(image.size(), rows_.panels().size() * kPanelFloats);
+  draw_rows(panels, sample, seed);
+  parallel_for(sample_.size(), [&](std::size_t i) {
+    SampledRow& drawn = sample_[i];
+    const CurvePanel& panel = rows_.panels()[drawn.panel];
+    const Vec3f exact = sum_row(rows_.receivers(), panel, drawn.row, light, states_[panel.material],
+                                tables_[panel.material], nullptr);
+    for (int c = 0; c < 3; ++c) {
+      const std::size_t at =
+          drawn.panel * kPanelFloats + static_cast<std::size_t>(c) * kPanelRows + drawn.row;
+      const double difference = double{image[at]} - exact[c];
+      drawn.squared_error += difference * difference * static_cast<double>(drawn.count);
+    }
+  });
+  double sum = 0;
+  for (const SampledRow& drawn : sample_) sum += drawn.squared_error;
+  return sum;
+}
+
 Vec3f shade_exactly(const CurveReceivers& receivers, const CurvePanel& panel, std::size_t row,
                     const CurveLight& light, const CurveMaterialState& state) {
   const LobeTables tables = make_tables(state, CurveAxis::half_angle);
   return sum_row(receivers, panel, row, light, state, tables, nullptr);
-}
-
-double sampled_squared_error(const CurveTransport& rows, const CurveLight& light,
-                             std::span<const CurveMaterialState> states,
-                             std::span<const std::uint32_t> panels, std::span<const float> image,
-                             std::size_t sample, std::uint64_t seed) {
-  RIMLIGHT_CHECK_EQ(states.size(), rows.material_count());
-  RIMLIGHT_CHECK_EQ(image.size(), rows.panels().size() * kPanelFloats);
-  const std::vector<RowPlace> places = all_rows(rows, panels);
-  if (places.empty() || sample == 0) return 0;
-  const Shaders shaders(states);
-  const std::size_t count = std::min(sample, places.size());
-  std::vector<double> errors(count);
-  parallel_for(count, [&](std::size_t i) {
-    // One of each stratum of rows, which lie by tile and material.
-    Random random(seed, i);
-    const std::size_t begin = places.size() * i / count, end = places.size() * (i + 1) / count;
-    const RowPlace& place = places[begin + random.below(end - begin)];
-    const CurvePanel& panel = rows.panels()[place.panel];
-    const Vec3f exact = sum_row(rows.receivers(), panel, place.row, light, shaders.state(panel),
-                                shaders.tables(panel), nullptr);
-    for (int c = 0; c < 3; ++c) {
-      const std::size_t at =
-          place.panel * kPanelFloats + static_cast<std::size_t>(c) * kPanelRows + place.row;
-      const double difference = double{image[at]} - exact[c];
-      errors[i] += difference * difference * static_cast<double>(end - begin);
-    }
-  });
-  double sum = 0;
-  for (const double error : errors) sum += error;
-  return sum;
 }
 
 }  // namespace rimlight

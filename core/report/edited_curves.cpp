@@ -130,8 +130,8 @@ void EditedCurves::go_to(const CurveSession::Place& place) {
 double EditedCurves::distance_to_sums(std::span<const float> image, std::size_t sample) const {
   std::vector<std::uint32_t> all(transport_.panels().size());
   std::iota(all.begin(), all.end(), 0u);
-  return std::sqrt(
-      sampled_squared_error(transport_, light_, states_, all, image, sample, kSampleSeed));
+  return std::sqrt(QuickShader(transport_, states_)
+                       .sampled_squared_error(light_, all, image, sample, kSampleSeed));
 }
 
 }  // namespace rimlight

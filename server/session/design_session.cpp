@@ -23,7 +23,8 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
       scene_(scene),
       materials_(known_materials(scene)),
       settings_(settings),
-      queue_(queue) {
+      queue_(queue),
+      maker_(scene, settings.jpeg_quality, queue) {
   if (kept.store != nullptr) waiting_.emplace(*kept.store, scene.name, name_, kept.revision);
   state_ = kept.state;
   if (kept.revision.number == 0) state_.environment = scene.environments.front();
@@ -40,13 +41,13 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
 void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   idle_since_.reset();
-  viewers_.push_back({client, kNone, nullptr, ++joined_});
+  viewers_.join(client);
   client->send_text(write_welcome({name_, scene_.name, scene_.environments, scene_.width,
                                    scene_.height, scene_.camera, scene_.any_view, scene_.materials,
                                    scene_.editable, materials_.measured, state_, revision_}));
   if (exact_revision_ == revision_.number) {
     if (exact_frame_) {
-      offer(viewers_.back(), exact_frame_);
+      viewers_.offer(*client, exact_frame_);
     } else {
       exact_revision_ = kNone;  // it failed: tried again for who comes new
     }
@@ -56,14 +57,14 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
 
 void DesignSession::leave(const Client& client, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(viewers_, [&](const Viewer& viewer) { return viewer.client.get() == &client; });
+  viewers_.leave(client);
   if (viewers_.empty() && (!waiting_ || waiting_->empty())) idle_since_ = now;
   reschedule(now);
 }
 
 void DesignSession::apply(const Client& client, const Edit& edit, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  const Viewer* const viewer = find_viewer(client);
+  const Viewers::Viewer* const viewer = viewers_.find(client);
   const std::shared_ptr<Client> sender = viewer == nullptr ? nullptr : viewer->client;
   if (waiting_) {
     const std::string author = "client " + std::to_string(viewer == nullptr ? 0 : viewer->number);
@@ -98,7 +99,7 @@ void DesignSession::show(const WaitingEdit& edit, Clock::time_point now) {
   newest_revision_.store(revision_.number, std::memory_order_relaxed);
   last_edit_ = now;
   const std::shared_ptr<Client> sender = edit.client.lock();
-  for (const Viewer& viewer : viewers_) {
+  for (const Viewers::Viewer& viewer : viewers_) {
     if (viewer.client == sender) {
       viewer.client->send_answer(write_ack(edit.id, revision_, state_));
     } else {
@@ -111,12 +112,9 @@ void DesignSession::show(const WaitingEdit& edit, Clock::time_point now) {
 AckResult DesignSession::acknowledge(const Client& client, std::int64_t frame,
                                      Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  Viewer* const viewer = find_viewer(client);
-  if (viewer == nullptr || viewer->in_flight != frame) return AckResult::not_in_flight;
-  viewer->in_flight = kNone;
-  if (const FramePtr waiting = std::exchange(viewer->waiting, nullptr)) offer(*viewer, waiting);
-  reschedule(now);
-  return AckResult::taken;
+  const AckResult result = viewers_.acknowledge(client, frame);
+  if (result == AckResult::taken) reschedule(now);
+  return result;
 }
 
 std::optional<Clock::time_point> DesignSession::idle_since() const {
@@ -127,27 +125,6 @@ std::optional<Clock::time_point> DesignSession::idle_since() const {
 void DesignSession::close() {
   closed_.store(true);
   queue_.unschedule(*this);
-}
-
-DesignSession::Viewer* DesignSession::find_viewer(const Client& client) {
-  const auto found = std::find_if(viewers_.begin(), viewers_.end(), [&](const Viewer& viewer) {
-    return viewer.client.get() == &client;
-  });
-  return found == viewers_.end() ? nullptr : &*found;
-}
-
-bool DesignSession::any_viewer_ready() const {
-  return std::any_of(viewers_.begin(), viewers_.end(),
-                     [](const Viewer& viewer) { return viewer.in_flight == kNone; });
-}
-
-void DesignSession::offer(Viewer& viewer, const FramePtr& frame) {
-  if (viewer.in_flight != kNone) {
-    viewer.waiting = frame;  // an older one is dropped, unsent
-    return;
-  }
-  viewer.in_flight = frame->frame;
-  viewer.client->send_frame(frame);
 }
 
 void DesignSession::reschedule(Clock::time_point now) {
@@ -166,7 +143,7 @@ void DesignSession::reschedule(Clock::time_point now) {
   }
   const Clock::time_point quiet_from = last_edit_ + settings_.quiet;
   if (!exact_since_ || *exact_since_ < quiet_from) exact_since_ = std::max(now, quiet_from);
-  if (moving_revision_ == revision_.number || !any_viewer_ready()) {
+  if (moving_revision_ == revision_.number || !viewers_.any_ready()) {
     moving_since_.reset();
   } else if (!moving_since_) {
     moving_since_ = now;
@@ -178,18 +155,19 @@ void DesignSession::reschedule(Clock::time_point now) {
 }
 
 DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
-  Task task{Work::none, state_, revision_, 0};
+  Task task{Work::none, {state_, revision_}};
   if (closed_.load()) return task;
   if (moving_since_) {
     task.kind = Work::moving;
-    task.queue_ms = milliseconds(now - *std::exchange(moving_since_, std::nullopt));
+    task.frame.queue_ms = milliseconds(now - *std::exchange(moving_since_, std::nullopt));
     // Counted as shown already now: only edits that come during the work ask for another.
     moving_revision_ = revision_.number;
   } else if (unfinished_ == Unfinished::exact_frame) {
     task.kind = Work::improve;  // the exact frame would take as long, and nobody else had a turn
   } else if (exact_since_ && now >= *exact_since_) {
     task.kind = Work::exact;
-    task.queue_ms = milliseconds(now - *std::exchange(exact_since_, std::nullopt));
+    task.frame.exact = true;
+    task.frame.queue_ms = milliseconds(now - *std::exchange(exact_since_, std::nullopt));
   } else if (unfinished_ != Unfinished::nothing) {
     task.kind = Work::improve;
   }
@@ -205,21 +183,21 @@ void DesignSession::work(Clock::time_point now) noexcept {
   if (task.kind != Work::none) {
     try {
       if (task.kind == Work::improve) {
-        improve(task);
-      } else if (const FramePtr frame = make_frame(task)) {
-        deliver(task, frame);
+        improve(task.frame);
+      } else {
+        make_frame(task.frame);
       }
     } catch (const std::exception& failure) {
-      fail(task, failure.what());
+      fail(task.frame, failure.what());
     }
   }
   const std::lock_guard lock(mutex_);
   reschedule(queue_.now());
 }
 
-void DesignSession::improve(const Task& task) {
+void DesignSession::improve(const FrameTask& task) {
   const Clock::time_point end = queue_.now() + kSlice;
-  const Unfinished left = source_->improve([&] {
+  const Unfinished left = maker_.improve([&] {
     return closed_.load(std::memory_order_relaxed) || queue_.now() >= end ||
            newest_revision_.load(std::memory_order_relaxed) != task.revision.number;
   });
@@ -227,66 +205,30 @@ void DesignSession::improve(const Task& task) {
   unfinished_ = left;
 }
 
-FramePtr DesignSession::make_frame(const Task& task) {
-  if (!source_) source_ = scene_.make_source();
-  FrameReport report;
-  if (task.kind == Work::moving) {
-    report = source_->render_moving(task.state, image_);
-  } else {
-    const auto abandon = [&] {
-      return closed_.load(std::memory_order_relaxed) ||
-             newest_revision_.load(std::memory_order_relaxed) != task.revision.number;
-    };
-    if (!source_->render_exact(task.state, image_, report, abandon)) return nullptr;
-  }
-  const Clock::time_point start = queue_.now();
-  const bool exact = task.kind == Work::exact;
-  if (exact) {
-    encode_png(image_, payload_);
-  } else {
-    jpeg_.encode(image_, settings_.jpeg_quality, payload_);
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    unfinished_ = report.unfinished;
-  }
-  FrameHeader header;
-  header.frame = frames_++;
-  header.revision = task.revision;
-  header.codec = exact ? Codec::png : Codec::jpeg;
-  header.width = image_.width;
-  header.height = image_.height;
-  header.exact = exact;
-  header.terms = static_cast<std::int64_t>(report.terms);
-  header.residual = report.residual;
-  header.estimate = report.estimate;
-  header.unshown = report.unshown;
-  header.queue_ms = task.queue_ms;
-  header.rotate_ms = report.rotate_ms;
-  header.update_ms = report.update_ms;
-  header.display_ms = report.display_ms;
-  header.encode_ms = milliseconds(queue_.now() - start);
-  return write_frame_message(header, payload_);
-}
-
-void DesignSession::deliver(const Task& task, const FramePtr& frame) {
+void DesignSession::make_frame(const FrameTask& task) {
+  const auto [frame, unfinished] = maker_.make(task, [&] {
+    return closed_.load(std::memory_order_relaxed) ||
+           newest_revision_.load(std::memory_order_relaxed) != task.revision.number;
+  });
+  if (!frame) return;
   const std::lock_guard lock(mutex_);
+  unfinished_ = unfinished;
   moving_revision_ = std::max(moving_revision_, task.revision.number);
-  if (task.kind == Work::exact) {
+  if (task.exact) {
     exact_revision_ = task.revision.number;
     exact_frame_ = frame;
   }
-  for (Viewer& viewer : viewers_) offer(viewer, frame);
+  viewers_.offer(frame);
 }
 
-void DesignSession::fail(const Task& task, const std::string& reason) {
+void DesignSession::fail(const FrameTask& task, const std::string& reason) {
   const std::lock_guard lock(mutex_);
   // Not tried again until the next edit: it would fail again.
   moving_revision_ = std::max(moving_revision_, task.revision.number);
   exact_revision_ = std::max(exact_revision_, task.revision.number);
   exact_frame_ = nullptr;
   unfinished_ = Unfinished::nothing;
-  for (const Viewer& viewer : viewers_) viewer.client->send_text(write_error(reason));
+  for (const Viewers::Viewer& viewer : viewers_) viewer.client->send_text(write_error(reason));
 }
 
 }  // namespace rimlight::server

@@ -8,11 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "core/image/codec.h"
 #include "server/protocol/messages.h"
 #include "server/schedule/render_queue.h"
 #include "server/session/client.h"
+#include "server/session/frame_maker.h"
 #include "server/session/scene_catalog.h"
+#include "server/session/viewers.h"
 #include "server/session/waiting_edits.h"
 
 namespace rimlight::server {
@@ -28,9 +29,6 @@ struct KeptSession {
   Revision revision = {};         // number 0: the store has none
   DesignState state = {};         // at that revision
 };
-
-/// Why a client's frame_ack was not taken.
-enum class AckResult { taken, not_in_flight };
 
 /// Shared state that clients edit, and the frames that show it. Edits apply in order, each a new
 /// revision; with a store each applies when it is durable, and not before. Frames: while edits
@@ -70,26 +68,13 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
 
  private:
   enum class Work { none, moving, improve, exact };
-  /// One client's place in the flow of frames.
-  struct Viewer {
-    std::shared_ptr<Client> client;
-    std::int64_t in_flight = kNone;  // number of the frame that it has not acknowledged
-    FramePtr waiting;                // the newest frame that it could not take yet
-    std::int64_t number = 0;         // of those that have joined, from 1
-  };
-  /// One frame to make, from the state that was current when its work began.
   struct Task {
     Work kind = Work::none;
-    DesignState state;
-    Revision revision;
-    double queue_ms = 0;
+    FrameTask frame;
   };
   static constexpr std::int64_t kNone = -1;
 
   // All of these are called with the mutex held.
-  Viewer* find_viewer(const Client& client);
-  bool any_viewer_ready() const;
-  void offer(Viewer& viewer, const FramePtr& frame);
   void reschedule(Clock::time_point now);
   void show(const WaitingEdit& edit, Clock::time_point now);
   Task begin_task(Clock::time_point now);
@@ -98,10 +83,9 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   void settle(const std::optional<StoreError>& refusal);
 
   // Called on the compute thread, without the mutex.
-  void improve(const Task& task);
-  FramePtr make_frame(const Task& task);
-  void deliver(const Task& task, const FramePtr& frame);
-  void fail(const Task& task, const std::string& reason);
+  void improve(const FrameTask& task);
+  void make_frame(const FrameTask& task);
+  void fail(const FrameTask& task, const std::string& reason);
 
   const std::string name_;
   const ServedScene& scene_;
@@ -120,20 +104,14 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   std::optional<Clock::time_point> exact_since_;
   Unfinished unfinished_ = Unfinished::nothing;  // of what the source showed last
   FramePtr exact_frame_;
-  std::vector<Viewer> viewers_;
-  std::int64_t joined_ = 0;              // viewers so far
+  Viewers viewers_;
   std::optional<WaitingEdits> waiting_;  // with a store
   std::optional<Clock::time_point> idle_since_;
 
   std::atomic<std::int64_t> newest_revision_{0};  // revision_.number, to be asked between tiles
   std::atomic<bool> closed_{false};
 
-  // The compute thread's own: kept between frames, so that nothing is allocated after warm-up.
-  std::unique_ptr<FrameSource> source_;
-  Rgb8Image image_;
-  JpegEncoder jpeg_;
-  std::vector<std::uint8_t> payload_;
-  std::int64_t frames_ = 0;
+  FrameMaker maker_;  // the compute thread's own
 };
 
 }  // namespace rimlight::server

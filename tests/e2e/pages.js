@@ -25,20 +25,26 @@ export function frameOf(page) {
   return page.$eval('#canvas', (canvas) => Number(canvas.dataset.frame ?? -1));
 }
 
+/** Waits for an exact frame that shows all edits of the page. */
 export async function waitForExact(page, after = -1) {
   await page.waitForFunction((least) => {
-    const { frame, exact } = document.getElementById('canvas').dataset;
-    return exact === 'true' && Number(frame) > least;
+    const canvas = document.getElementById('canvas');
+    return canvas.ariaBusy === 'false' && Number(canvas.dataset.frame) > least;
   }, after, { timeout: kPatience });
 }
 
-/** The pixels of the canvas, as a string to compare. */
+/** A short text that stands for the pixels of the canvas, to compare. */
 export function pixels(page) {
-  return page.$eval('#canvas', (canvas) => canvas.toDataURL());
+  return page.$eval('#canvas', async (canvas) => {
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const digest = new Uint8Array(await crypto.subtle.digest('SHA-256', data));
+    return Array.from(digest, (byte) => byte.toString(16).padStart(2, '0')).join('');
+  });
 }
 
 /** Does something that must change the exact picture. */
 export async function changes(page, act) {
+  await waitForExact(page);
   const [frame, old] = [await frameOf(page), await pixels(page)];
   await act();
   await waitForExact(page, frame);

@@ -45,23 +45,35 @@ const orbit = new Orbit(element('canvas'), {
   leads: () => element('drag-camera').checked,
   onView: (camera) => {
     trackball.setCamera(camera ?? sceneCamera);
-    edits.set({ view: { camera } });
+    send({ view: { camera } });
   },
   onGrab,
 });
 const trackball = new Trackball(element('canvas'), {
-  onTurn: (rotation) => edits.set({ rotation }),
+  onTurn: (rotation) => send({ rotation }),
   onGrab,
   isTaken: (event) => orbit.isDragging || orbit.takes(event),
 });
 
 let newest = null; // {epoch, revision, state}: what the server said last
+let shown = null; // the header of the frame in the canvas
 let sceneCamera = null; // where a view starts
 
 element('reset-view').addEventListener('click', () => {
   showView(null);
-  edits.set({ view: { camera: null } });
+  send({ view: { camera: null } });
 });
+
+function send(part) {
+  edits.set(part);
+  showBusy();
+}
+
+/** Says whether the picture is still on its way to the exact one of all edits. */
+function showBusy() {
+  const isSettled = shown?.exact && !edits.isBusy && shown.epoch === newest.epoch && shown.revision >= newest.revision;
+  element('canvas').ariaBusy = String(!isSettled);
+}
 
 function showView(camera) {
   trackball.setCamera(camera ?? sceneCamera);
@@ -70,7 +82,7 @@ function showView(camera) {
 
 function change(part) {
   if (part.rotation) trackball.setRotation(part.rotation);
-  edits.set(part);
+  send(part);
 }
 
 /** Shows the session's state as the server has it, but never against the user's own hand. */
@@ -122,7 +134,10 @@ const handlers = {
   },
 };
 
-connection.addEventListener('message', ({ detail }) => handlers[detail.type]?.(detail));
+connection.addEventListener('message', ({ detail }) => {
+  handlers[detail.type]?.(detail);
+  showBusy();
+});
 
 connection.addEventListener('frame', async ({ detail }) => {
   try {
@@ -134,8 +149,10 @@ connection.addEventListener('frame', async ({ detail }) => {
   connection.send({ type: 'frame_ack', frame: detail.header.frame });
   measurements.show(detail.header, detail.bytes,
     edits.latencyOf(detail.header.revision, now), now);
-  element('canvas').dataset.frame = detail.header.frame;
-  element('canvas').dataset.exact = detail.header.exact;
+  shown = detail.header;
+  element('canvas').dataset.frame = shown.frame;
+  element('canvas').dataset.exact = shown.exact;
+  showBusy();
 });
 
 connection.addEventListener('status', ({ detail }) => {

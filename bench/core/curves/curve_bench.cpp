@@ -135,15 +135,15 @@ void rebuild(benchmark::State& state) {
 void quick(benchmark::State& state) {
   Ball& test = ball(state.range(1) != 0, static_cast<std::size_t>(state.range(0)));
   AlignedVector<float> image(test.transport->panels().size() * kPanelFloats);
+  QuickShader shader(*test.transport, test.states);
+  const auto panels = test.transport->all_panels();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(shade_quickly(*test.transport, *test.curve_light, test.states,
-                                           test.transport->all_panels(), QuickDetail::every_row, {},
-                                           image));
+    benchmark::DoNotOptimize(
+        shader.shade(*test.curve_light, panels, QuickDetail::every_row, {}, image));
   }
   double size = 0;
   for (const float value : image) size += double{value} * value;
-  const double error = sampled_squared_error(*test.transport, *test.curve_light, test.states,
-                                             test.transport->all_panels(), image, 1000, 1);
+  const double error = shader.sampled_squared_error(*test.curve_light, panels, image, 1000, 1);
   state.counters["relative_error"] = std::sqrt(error / size);
 }
 

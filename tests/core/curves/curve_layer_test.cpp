@@ -10,8 +10,10 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "core/base/parallel.h"
 #include "core/curves/quick_image.h"
 #include "tests/core/curves/curve_cases.h"
+#include "tests/support/allocation_count.h"
 #include "tests/support/small_bake.h"
 #include "tests/support/temporary_folder.h"
 
@@ -331,6 +333,25 @@ TEST_F(CurveLayerTest, UnderABlackLightAllIsBlack) {
   LayerReport report;
   ASSERT_TRUE(layer.settle(request(), {}, report));
   for (const Vec3f& value : image(layer)) EXPECT_EQ(value, Vec3f());
+}
+
+TEST_F(CurveLayerTest, AllocatesNothingUnderATurningLight) {
+  if (!test::kCountsAllocations) GTEST_SKIP() << "no operator new of its own here";
+  set_thread_count(1);  // so that the calling thread's allocations are all there are
+  const CubeLight lights[] = {random_light(kSize, 1), random_light(kSize, 2)};
+  CurveLayer layer(bake, {});
+  const auto run = [&] {
+    for (const CubeLight& each : lights) {
+      light = each;
+      layer.move(request(), kEnough);
+    }
+  };
+  run();
+  run();
+  const auto before = test::allocation_count();
+  run();
+  EXPECT_EQ(test::allocation_count() - before, 0u);
+  set_thread_count(0);
 }
 
 TEST(CurveLayerOf, IsNothingForABakeWithoutCurves) {

@@ -38,8 +38,8 @@ struct QuickCase {
   }
   void shade(std::size_t strongest) {
     const CurveLight found(sky, light, strongest);
-    ASSERT_TRUE(shade_quickly(transport, found, states, transport.all_panels(),
-                              QuickDetail::every_row, {}, image));
+    ASSERT_TRUE(QuickShader(transport, states)
+                    .shade(found, transport.all_panels(), QuickDetail::every_row, {}, image));
   }
   Vec3d row(std::size_t panel, std::size_t row) const {
     return row_of(std::span(image).subspan(panel * kPanelFloats, kPanelFloats), row);
@@ -108,36 +108,37 @@ TEST(QuickImage, ASampleOfRowsTellsItsError) {
   test.shade(16);
   const CurveLight light(test.sky, test.light, 16);
   const double expected = test.squared_error(light);
-  const double all = sampled_squared_error(test.transport, light, test.states,
-                                           test.transport.all_panels(), test.image, 1'000'000, 1);
+  QuickShader shader(test.transport, test.states);
+  const auto panels = test.transport.all_panels();
+  const double all = shader.sampled_squared_error(light, panels, test.image, 1'000'000, 1);
   EXPECT_NEAR(all, expected, 1e-6 * expected);
   double sum = 0;
   constexpr int kSeeds = 60;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    sum += sampled_squared_error(test.transport, light, test.states, test.transport.all_panels(),
-                                 test.image, 50, seed);
+    sum += shader.sampled_squared_error(light, panels, test.image, 50, seed);
   }
   EXPECT_NEAR(sum / kSeeds, expected, 0.25 * expected);
-  EXPECT_EQ(sampled_squared_error(test.transport, light, test.states, test.transport.all_panels(),
-                                  test.image, 0, 1),
-            0);
+  EXPECT_EQ(shader.sampled_squared_error(light, panels, test.image, 0, 1), 0);
+  EXPECT_EQ(shader.sampled_squared_error(light, {}, test.image, 50, 1), 0);
 }
 
 TEST(QuickImage, IsBlackUnderABlackLight) {
   QuickCase test;
   const CurveLight light(test.sky, CubeLight(kSize), 5);
   std::ranges::fill(test.image, 7.0f);
-  ASSERT_TRUE(shade_quickly(test.transport, light, test.states, test.transport.all_panels(),
-                            QuickDetail::every_row, {}, test.image));
+  ASSERT_TRUE(
+      QuickShader(test.transport, test.states)
+          .shade(light, test.transport.all_panels(), QuickDetail::every_row, {}, test.image));
   EXPECT_TRUE(std::ranges::all_of(test.image, [](float value) { return value == 0; }));
 }
 
 TEST(QuickImage, IsAbandoned) {
   QuickCase test;
   const CurveLight light(test.sky, test.light, 5);
-  EXPECT_FALSE(shade_quickly(
-      test.transport, light, test.states, test.transport.all_panels(), QuickDetail::every_row,
-      [] { return true; }, test.image));
+  EXPECT_FALSE(QuickShader(test.transport, test.states)
+                   .shade(
+                       light, test.transport.all_panels(), QuickDetail::every_row,
+                       [] { return true; }, test.image));
 }
 
 TEST(QuickDetail, RowsThatAreLikeNoOtherAreShadedAllTheSame) {
@@ -145,9 +146,10 @@ TEST(QuickDetail, RowsThatAreLikeNoOtherAreShadedAllTheSame) {
   test.shade(20);
   const auto every_row = test.image;
   const CurveLight light(test.sky, test.light, 20);
-  for (const QuickDetail detail : {QuickDetail::one_of_two, QuickDetail::one_of_four}) {
-    ASSERT_TRUE(shade_quickly(test.transport, light, test.states, test.transport.all_panels(),
-                              detail, {}, test.image));
+  for (const QuickDetail detail :
+       {QuickDetail::one_of_two, QuickDetail::one_of_four, QuickDetail::one_of_eight}) {
+    ASSERT_TRUE(QuickShader(test.transport, test.states)
+                    .shade(light, test.transport.all_panels(), detail, {}, test.image));
     EXPECT_EQ(test.image, every_row);
   }
 }
@@ -181,11 +183,12 @@ TEST(QuickDetail, LikeRowsTakeTheRadianceOfOneByTheirShare) {
   const CurveLight light(sky, random_light(kSize, 3), 20);
   std::vector<float> all(kPanelFloats), some(kPanelFloats);
   const auto panels = transport.all_panels();
-  ASSERT_TRUE(
-      shade_quickly(transport, light, test.states, panels, QuickDetail::every_row, {}, all));
-  for (const QuickDetail detail : {QuickDetail::one_of_two, QuickDetail::one_of_four}) {
+  const QuickShader shader(transport, test.states);
+  ASSERT_TRUE(shader.shade(light, panels, QuickDetail::every_row, {}, all));
+  for (const QuickDetail detail :
+       {QuickDetail::one_of_two, QuickDetail::one_of_four, QuickDetail::one_of_eight}) {
     std::ranges::fill(some, NAN);
-    ASSERT_TRUE(shade_quickly(transport, light, test.states, panels, detail, {}, some));
+    ASSERT_TRUE(shader.shade(light, panels, detail, {}, some));
     // Radiance is in proportion to the share, so that copies are exact here.
     for (std::size_t i = 0; i < kPanelFloats; ++i) {
       EXPECT_NEAR(some[i], all[i], 1e-5f * all[i]) << i;
@@ -195,9 +198,10 @@ TEST(QuickDetail, LikeRowsTakeTheRadianceOfOneByTheirShare) {
 
 TEST(QuickDetail, FollowsTheNumberOfRows) {
   EXPECT_EQ(quick_detail(0), QuickDetail::every_row);
-  EXPECT_EQ(quick_detail(40'000), QuickDetail::every_row);
-  EXPECT_EQ(quick_detail(40'001), QuickDetail::one_of_two);
-  EXPECT_EQ(quick_detail(1'000'000), QuickDetail::one_of_four);
+  EXPECT_EQ(quick_detail(24'000), QuickDetail::every_row);
+  EXPECT_EQ(quick_detail(24'001), QuickDetail::one_of_two);
+  EXPECT_EQ(quick_detail(96'000), QuickDetail::one_of_four);
+  EXPECT_EQ(quick_detail(1'000'000), QuickDetail::one_of_eight);
 }
 
 }  // namespace
