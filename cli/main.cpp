@@ -35,6 +35,7 @@ int run(int argc, char** argv) {
   rimlight::add_serve_command(program, chosen);
   rimlight::add_token_command(program, chosen);
   rimlight::add_load_command(program, chosen);
+  rimlight::add_decode_command(program, chosen);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

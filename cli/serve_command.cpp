@@ -113,6 +113,14 @@ std::unique_ptr<server::SessionStore> open_store(const ServeConfig& config) {
   return store;
 }
 
+/// Beside the store: FILE.environments. Nothing where sessions live in memory.
+std::unique_ptr<server::EnvironmentFolder> open_uploads(const ServeConfig& config) {
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+  if (config.store.empty()) return nullptr;
+  return std::make_unique<server::EnvironmentFolder>(config.store.string() + ".environments",
+                                                     kMostBytes);
+}
+
 int serve(const ServeOptions& options) {
   const ServeConfig config = merge(options);
   const server::StaticFiles files(config.web);
@@ -120,7 +128,8 @@ int serve(const ServeOptions& options) {
   server::RenderQueue queue;
   // Ends after the sessions, and before what their last edits still schedule.
   const std::unique_ptr<server::SessionStore> store = open_store(config);
-  server::SessionRegistry sessions(scenes, queue, config.sessions, store.get());
+  const std::unique_ptr<server::EnvironmentFolder> uploads = open_uploads(config);
+  server::SessionRegistry sessions(scenes, queue, config.sessions, store.get(), uploads.get());
   server::HttpServer http(config.network, files, sessions);
   std::jthread compute([&queue](const std::stop_token& stop) { queue.run(stop); });
 

@@ -169,7 +169,7 @@ void Connection::receive(DesignSession& session, std::string_view text) {
 void Connection::handle(DesignSession& session, std::string_view text, Clock::time_point now) {
   try {
     const ClientMessage message =
-        parse_client_message(text, session.scene().environments, session.materials());
+        parse_client_message(text, session.environments().names(), session.materials());
     if (const auto* const edit = std::get_if<Edit>(&message)) {
       if (access_.role < Role::editor) {
         throw Error("message: /type", "an edit", "none: this access token only lets you watch");

@@ -23,6 +23,7 @@
 #include "server/network/stop_gate.h"
 #include "server/network/tls_context.h"
 #include "server/network/transport.h"
+#include "server/network/upload_desk.h"
 
 namespace rimlight::server {
 namespace {
@@ -118,7 +119,8 @@ struct HttpServer::State {
         signals(acceptor.get_executor()),
         reload(acceptor.get_executor()),
         timer(acceptor.get_executor()),
-        site{settings, hosts, files, sessions_, gate} {}
+        uploads(settings.decoder),
+        site{settings, hosts, files, sessions_, gate, uploads} {}
 
   const NetworkSettings settings;
   SessionRegistry& sessions;
@@ -135,6 +137,7 @@ struct HttpServer::State {
   net::signal_set reload;   // of the files of TLS
   net::steady_timer timer;  // of the housekeeping
   bool stopping = false;
+  UploadDesk uploads;
   Site site;
 
   net::awaitable<void> accept();
@@ -230,6 +233,7 @@ void HttpServer::State::stop() {
   signals.cancel(ignored);
   reload.cancel(ignored);
   timer.cancel();
+  uploads.stop();
   gate.close();
   net::co_spawn(acceptor.get_executor(), drain(), log_failure);
 }

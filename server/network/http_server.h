@@ -12,6 +12,7 @@
 #include "server/network/static_files.h"
 #include "server/network/tls_context.h"
 #include "server/session/session_registry.h"
+#include "server/upload/decoded_environment.h"
 
 namespace rimlight::server {
 
@@ -30,12 +31,14 @@ struct NetworkSettings {
   /// Unset: no bound of its own on loopback, where a proxy has one address for all, else 16.
   std::optional<std::size_t> most_connections_per_address{};
   double messages_per_second = 1000;  // of one client: access/edit_allowance.h
+  DecoderSettings decoder{};          // of uploads
   TlsFiles tls{};                     // empty: in the clear
   bool selftest_echo = false;         // /selftest/echo, for conformance suites; on loopback only
 };
 
 /// HTTP and WebSocket on one port: the page, /healthz, /readyz, /api/scenes, /api/curves and
-/// /sessions/{name}/stream. Its threads read, write and hand over, and never compute.
+/// /sessions/{name}/stream and /environments. Its threads read, write and hand over, and never
+/// compute.
 class HttpServer {
  public:
   /// Binds and listens. Throws Error naming the address: beyond loopback without keys, or busy;

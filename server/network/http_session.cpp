@@ -14,6 +14,8 @@
 
 #include "core/base/error.h"
 #include "server/network/request_checks.h"
+#include "server/network/responses.h"
+#include "server/protocol/upload_target.h"
 
 namespace rimlight::server {
 namespace {
@@ -31,30 +33,6 @@ constexpr std::string_view kEchoPath = "/selftest/echo";
 using Request = HttpSession::Request;
 using Response = HttpSession::Response;
 
-/// Everything comes from here: no other origin is asked for anything.
-constexpr const char* kContentPolicy =
-    "default-src 'self'; img-src 'self' blob:; object-src 'none'; base-uri 'none'; "
-    "frame-ancestors 'none'; form-action 'none'";
-
-Response make_response(http::status status, unsigned version, bool keep_alive,
-                       const std::string& content_type, std::string body) {
-  Response response{status, version};
-  response.set(http::field::content_type, content_type);
-  response.set(http::field::cache_control, "no-cache");
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("Referrer-Policy", "no-referrer");
-  response.set("Content-Security-Policy", kContentPolicy);
-  response.keep_alive(keep_alive);
-  response.body() = std::move(body);
-  response.prepare_payload();
-  return response;
-}
-
-Response plain(const Request& request, http::status status, std::string_view text) {
-  return make_response(status, request.version(), request.keep_alive(), "text/plain; charset=utf-8",
-                       std::string(text) + "\n");
-}
-
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
 Response serve_file(const Request& request, const StaticFiles::File& file) {
@@ -64,11 +42,6 @@ Response serve_file(const Request& request, const StaticFiles::File& file) {
                     request.keep_alive(), file.content_type, known ? std::string() : file.bytes);
   response.set(http::field::etag, file.etag);
   return response;
-}
-
-Response json_body(const Request& request, http::status status, std::string body) {
-  return make_response(status, request.version(), request.keep_alive(), "application/json",
-                       std::move(body));
 }
 
 Response serve_curves(const Request& request, const SceneCatalog& scenes, std::string_view query) {
@@ -83,15 +56,6 @@ Response serve_curves(const Request& request, const SceneCatalog& scenes, std::s
 bool is_malformed(const beast::error_code& error) {
   return error.category() == http::make_error_code(http::error::bad_value).category() &&
          error != http::error::end_of_stream && error != http::error::partial_message;
-}
-
-/// Neither what is wrong with a token nor whether a session exists is a stranger's business.
-Response refuse(const Request& request, const Refusal& refusal) {
-  Response response = plain(request, refusal.status, refusal.reason);
-  if (refusal.status == http::status::unauthorized) {
-    response.set(http::field::www_authenticate, "Bearer");
-  }
-  return response;
 }
 
 }  // namespace
@@ -113,6 +77,7 @@ net::awaitable<void> HttpSession::serve() {
   for (bool first = true; !stopping_; first = false) {
     HeaderParser parser;
     parser.header_limit(kLargestHeader);
+    parser.body_limit(boost::none);  // who takes a body looks at its length
     if (!first) stream_.next_layer().expires_after(site_.settings.handshake_timeout);
     const auto [error, size] = co_await http::async_read_header(stream_, buffer, parser, kAsTuple);
     if (error) {
@@ -129,7 +94,11 @@ net::awaitable<void> HttpSession::serve() {
       co_await answer(stream_, refuse(parser.get(), *fault));
       break;
     }
-    if (body == Body::taken) {
+    if (body == Body::upload) {
+      co_await take_upload(parser, buffer);
+      break;
+    }
+    if (body == Body::echoed) {
       const bool more = co_await answer_body(parser, buffer);
       if (!more) break;
       continue;
@@ -146,13 +115,20 @@ net::awaitable<void> HttpSession::serve() {
 
 Body HttpSession::body_of(const HeaderParser& parser) const {
   if (parser.is_done()) return Body::none;
-  return site_.settings.selftest_echo ? Body::taken : Body::unwanted;
+  const Request& request = parser.get();
+  if (!refusing_ && request.method() == http::verb::post &&
+      is_upload_target(view(request.target()))) {
+    return Body::upload;
+  }
+  return site_.settings.selftest_echo ? Body::echoed : Body::unwanted;
 }
 
 /// Of a conformance suite: its body comes back. True when another request may follow.
 net::awaitable<bool> HttpSession::answer_body(HeaderParser& header, beast::flat_buffer& buffer) {
+  const std::uint64_t length = header.content_length().value_or(0);
   http::request_parser<http::string_body> parser(std::move(header));
-  parser.body_limit(kLargestEchoedBody);
+  parser.body_limit(kLargestEchoedBody);  // of chunks
+  if (length > kLargestEchoedBody) co_return false;
   const auto [error, size] = co_await http::async_read(stream_, buffer, parser, kAsTuple);
   Request request(parser.get().base());
   if (error) {

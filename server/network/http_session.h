@@ -9,7 +9,11 @@
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
+#include <boost/optional/optional.hpp>
+#include <cstdint>
 #include <memory>
+#include <string>
+#include <variant>
 
 #include "server/access/host_policy.h"
 #include "server/network/connection.h"
@@ -17,6 +21,7 @@
 #include "server/network/request_checks.h"
 #include "server/network/stop_gate.h"
 #include "server/network/transport.h"
+#include "server/network/upload_desk.h"
 
 namespace rimlight::server {
 
@@ -27,6 +32,7 @@ struct Site {
   const StaticFiles& files;
   SessionRegistry& sessions;
   StopGate& gate;
+  UploadDesk& uploads;
 };
 
 /// One accepted socket: answers HTTP requests until it is closed or becomes a WebSocket.
@@ -54,6 +60,19 @@ class HttpSession final : public Stoppable, public std::enable_shared_from_this<
                                        const Access& access);
   boost::asio::awaitable<bool> answer(Transport& stream, Response response);
   Response respond(const Request& request) const;
+
+  /// An upload that may begin.
+  struct Upload {
+    std::string environment;
+    std::shared_ptr<DesignSession> session;
+  };
+  std::variant<Upload, Response> check_upload(const Request& request,
+                                              const boost::optional<std::uint64_t>& length) const;
+  boost::asio::awaitable<void> take_upload(HeaderParser& header, boost::beast::flat_buffer& buffer);
+  boost::asio::awaitable<bool> read_upload(HeaderParser& header, boost::beast::flat_buffer& buffer,
+                                           std::string& bytes);
+  boost::asio::awaitable<Response> finish_upload(const Request& request, Upload upload,
+                                                 std::string bytes);
 
   const Site& site_;
   Transport stream_;  // moves into the connection

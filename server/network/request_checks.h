@@ -24,7 +24,7 @@ struct Refusal {
 };
 
 /// Whether a body follows a request's header, and what for.
-enum class Body { none, taken, unwanted };
+enum class Body { none, upload, echoed, unwanted };
 
 /// What is wrong with a request whatever it asks for, known from its header alone: no Host or more
 /// than one (400), one that is not this server's (421), a transfer coding other than chunked (400),

@@ -2,6 +2,7 @@
 
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <vector>
 
 namespace rimlight::server {
 namespace {
@@ -27,6 +28,21 @@ net::awaitable<void> Transport::finish(std::chrono::steady_clock::duration most)
     co_await layered->async_shutdown(kAsTuple);
   }
   next_layer().socket().shutdown(net::ip::tcp::socket::shutdown_send, ignored);
+}
+
+net::awaitable<void> Transport::discard(std::chrono::steady_clock::duration most) {
+  constexpr std::size_t kMost = std::size_t{64} << 20;
+  std::vector<char> buffer(65536);
+  beast::error_code ignored;
+  next_layer().expires_after(most);
+  if (secure() == nullptr) {
+    next_layer().socket().shutdown(net::ip::tcp::socket::shutdown_send, ignored);
+  }
+  for (std::size_t read = 0; read < kMost;) {
+    const auto [error, size] = co_await async_read_some(net::buffer(buffer), kAsTuple);
+    if (error) break;
+    read += size;
+  }
 }
 
 }  // namespace rimlight::server

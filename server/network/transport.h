@@ -43,6 +43,10 @@ class Transport {
   /// Says goodbye, within that time; the socket is closed by its destructor.
   boost::asio::awaitable<void> finish(std::chrono::steady_clock::duration most);
 
+  /// Reads what still comes and forgets it, for that long at most: a socket that is closed on
+  /// unread bytes resets, and the peer may lose what it was told.
+  boost::asio::awaitable<void> discard(std::chrono::steady_clock::duration most);
+
   template <typename Buffers, typename Handler>
   auto async_read_some(const Buffers& buffers, Handler&& handler) {
     Secure* const layered = secure();

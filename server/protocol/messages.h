@@ -102,6 +102,8 @@ std::string write_welcome(const Welcome& welcome);
 std::string write_ack(std::string_view id, const Revision& revision, const DesignState& state);
 /// To the other clients of the session.
 std::string write_state(const Revision& revision, const DesignState& state);
+/// To all clients of the session, when one was uploaded: all that edits may name.
+std::string write_environments(const std::vector<std::string>& names);
 std::string write_pong(std::string_view id);
 /// An edge's answer to an Error; the connection goes on.
 std::string write_error(const Error& error, const std::optional<std::string>& id);

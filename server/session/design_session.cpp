@@ -22,9 +22,10 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
     : name_(std::move(name)),
       scene_(scene),
       materials_(known_materials(scene)),
+      environments_(scene.environments, kept.environments),
       settings_(settings),
       queue_(queue),
-      maker_(scene, settings.jpeg_quality, queue) {
+      maker_(scene, environments_, settings.jpeg_quality, queue) {
   if (kept.store != nullptr) waiting_.emplace(*kept.store, scene.name, name_, kept.revision);
   state_ = kept.state;
   if (kept.revision.number == 0) state_.environment = scene.environments.front();
@@ -42,7 +43,7 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
   const std::lock_guard lock(mutex_);
   idle_since_.reset();
   viewers_.join(client);
-  client->send_text(write_welcome({name_, scene_.name, scene_.environments, scene_.width,
+  client->send_text(write_welcome({name_, scene_.name, environments_.names(), scene_.width,
                                    scene_.height, scene_.camera, scene_.any_view, scene_.materials,
                                    scene_.editable, materials_.measured, state_, revision_}));
   if (exact_revision_ == revision_.number) {
@@ -53,6 +54,13 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
     }
   }
   reschedule(now);
+}
+
+void DesignSession::add_environment(const EnvironmentPtr& environment) {
+  const std::lock_guard lock(mutex_);
+  environments_.add(environment);
+  const std::string text = write_environments(environments_.names());
+  for (const Viewers::Viewer& viewer : viewers_) viewer.client->send_text(text);
 }
 
 void DesignSession::leave(const Client& client, Clock::time_point now) {

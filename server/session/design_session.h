@@ -13,6 +13,7 @@
 #include "server/session/client.h"
 #include "server/session/frame_maker.h"
 #include "server/session/scene_catalog.h"
+#include "server/session/session_environments.h"
 #include "server/session/viewers.h"
 #include "server/session/waiting_edits.h"
 
@@ -28,6 +29,7 @@ struct KeptSession {
   SessionStore* store = nullptr;  // must outlive the session; without one it lives in memory
   Revision revision = {};         // number 0: the store has none
   DesignState state = {};         // at that revision
+  std::vector<EnvironmentPtr> environments = {};  // that were uploaded to it
 };
 
 /// Shared state that clients edit, and the frames that show it. Edits apply in order, each a new
@@ -48,6 +50,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   const ServedScene& scene() const { return scene_; }
   /// What edits may name.
   const KnownMaterials& materials() const { return materials_; }
+  const SessionEnvironments& environments() const { return environments_; }
 
   /// Sends the welcome and, when there is one, the current exact frame.
   void join(const std::shared_ptr<Client>& client, Clock::time_point now);
@@ -56,6 +59,8 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   /// store when the edit is durable; if it is refused, the client gets the error. Throws Error, and
   /// changes nothing, where apply_edit() and SessionStore::append() do.
   void apply(const Client& client, const Edit& edit, Clock::time_point now);
+  /// Edits may name it from now on; all clients are told. Throws Error as SessionEnvironments does.
+  void add_environment(const EnvironmentPtr& environment);
   [[nodiscard]] AckResult acknowledge(const Client& client, std::int64_t frame,
                                       Clock::time_point now);
 
@@ -90,6 +95,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   const std::string name_;
   const ServedScene& scene_;
   const KnownMaterials materials_;
+  SessionEnvironments environments_;
   const SessionSettings settings_;
   RenderQueue& queue_;
 

@@ -3,12 +3,15 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "core/image/codec.h"
 #include "server/protocol/frame_message.h"
 #include "server/schedule/render_queue.h"
 #include "server/session/scene_catalog.h"
+#include "server/session/session_environments.h"
 
 namespace rimlight::server {
 
@@ -24,9 +27,10 @@ struct FrameTask {
 /// what it draws with is kept between frames, so that nothing is allocated after warm-up.
 class FrameMaker {
  public:
-  /// `scene` and `queue`, which tells the time, must outlive it.
-  FrameMaker(const ServedScene& scene, int jpeg_quality, const RenderQueue& queue)
-      : scene_(scene), jpeg_quality_(jpeg_quality), queue_(queue) {}
+  /// `scene`, `environments`, and `queue`, which tells the time, must outlive it.
+  FrameMaker(const ServedScene& scene, const SessionEnvironments& environments, int jpeg_quality,
+             const RenderQueue& queue)
+      : scene_(scene), environments_(environments), jpeg_quality_(jpeg_quality), queue_(queue) {}
 
   struct Made {
     FramePtr frame;  // null: abandoned
@@ -40,10 +44,14 @@ class FrameMaker {
  private:
   FramePtr encode(const FrameTask& task, const FrameReport& report);
 
+  void prepare(const DesignState& state);
+
   const ServedScene& scene_;
+  const SessionEnvironments& environments_;
   const int jpeg_quality_;
   const RenderQueue& queue_;
   std::unique_ptr<FrameSource> source_;
+  std::set<std::string, std::less<>> added_;  // uploaded environments that it has
   Rgb8Image image_;
   JpegEncoder jpeg_;
   std::vector<std::uint8_t> payload_;

@@ -9,36 +9,60 @@
 namespace rimlight::server {
 
 SessionRegistry::SessionRegistry(const SceneCatalog& scenes, RenderQueue& queue,
-                                 const RegistrySettings& settings, SessionStore* store)
-    : scenes_(scenes), queue_(queue), settings_(settings), store_(store) {}
+                                 const RegistrySettings& settings, SessionStore* store,
+                                 EnvironmentFolder* uploads)
+    : scenes_(scenes), queue_(queue), settings_(settings), store_(store), uploads_(uploads) {}
 
 SessionRegistry::~SessionRegistry() { close_all(); }
+
+const ServedScene& SessionRegistry::find_scene(const std::string& name, const std::string& scene) {
+  const ServedScene* const served = scenes_.find(scene);
+  if (served != nullptr) return *served;
+  if (store_ != nullptr && store_->load(scene, name)) {
+    throw Error("session " + quote(name), "a session of the scene " + quote(scene),
+                "a scene that is served still: /api/scenes lists them");
+  }
+  throw Error("URL", "the scene " + quote(scene), "one that /api/scenes lists");
+}
+
+/// With the mutex held. Null when all places are taken.
+std::shared_ptr<DesignSession> SessionRegistry::find_or_make(const std::string& name,
+                                                             const ServedScene& served) {
+  const Key key{served.name, name};
+  auto found = sessions_.find(key);
+  if (found == sessions_.end()) {
+    if (sessions_.size() >= settings_.most_sessions && !make_room()) return nullptr;
+    const KeptSession kept = load(served, name);
+    auto session = std::make_shared<DesignSession>(name, served, next_epoch(kept.revision.epoch),
+                                                   settings_.session, queue_, kept);
+    found = sessions_.emplace(key, std::move(session)).first;
+  }
+  return found->second;
+}
 
 std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
                                                      const std::string& scene,
                                                      const std::shared_ptr<Client>& client,
                                                      Clock::time_point now) {
-  const ServedScene* const served = scenes_.find(scene);
-  if (served == nullptr) {
-    if (store_ != nullptr && store_->load(scene, name)) {
-      throw Error("session " + quote(name), "a session of the scene " + quote(scene),
-                  "a scene that is served still: /api/scenes lists them");
-    }
-    throw Error("URL", "the scene " + quote(scene), "one that /api/scenes lists");
-  }
+  const ServedScene& served = find_scene(name, scene);
   // The client joins under the lock, so that no session is dropped between being found and used.
   const std::lock_guard lock(mutex_);
-  const Key key{served->name, name};
-  auto found = sessions_.find(key);
-  if (found == sessions_.end()) {
-    if (sessions_.size() >= settings_.most_sessions && !make_room()) return nullptr;
-    const KeptSession kept = load(*served, name);
-    auto session = std::make_shared<DesignSession>(name, *served, next_epoch(kept.revision.epoch),
-                                                   settings_.session, queue_, kept);
-    found = sessions_.emplace(key, std::move(session)).first;
-  }
-  found->second->join(client, now);
-  return found->second;
+  const std::shared_ptr<DesignSession> session = find_or_make(name, served);
+  if (session) session->join(client, now);
+  return session;
+}
+
+std::shared_ptr<DesignSession> SessionRegistry::open(const std::string& name,
+                                                     const std::string& scene) {
+  const ServedScene& served = find_scene(name, scene);
+  const std::lock_guard lock(mutex_);
+  return find_or_make(name, served);
+}
+
+void SessionRegistry::add_environment(DesignSession& session, const EnvironmentPtr& environment) {
+  session.environments().check_room(environment->name());
+  if (uploads_ != nullptr) uploads_->add(session.scene().name, session.name(), *environment);
+  session.add_environment(environment);
 }
 
 void SessionRegistry::drop_idle(Clock::time_point now) {
@@ -79,7 +103,9 @@ bool SessionRegistry::make_room() {
 KeptSession SessionRegistry::load(const ServedScene& scene, const std::string& name) {
   if (store_ == nullptr) return {};
   const std::optional<StoredSession> stored = store_->load(scene.name, name);
-  if (!stored) return {store_};
+  KeptSession kept{store_};
+  if (uploads_ != nullptr) kept.environments = uploads_->load(scene.name, name);
+  if (!stored) return kept;
   const std::string where = "session " + quote(name);
   if (stored->revision.number < 1 || stored->revision.number > kLargestWhole ||
       stored->revision.epoch < 0 || stored->revision.epoch > kLargestWhole) {
@@ -87,8 +113,11 @@ KeptSession SessionRegistry::load(const ServedScene& scene, const std::string& n
   }
   const nlohmann::json document = parse_json(stored->state, where);
   const JsonReader state(document, where);
-  (void)state.member("environment").one_of(scene.environments);
-  return {store_, stored->revision, read_state(state)};
+  const SessionEnvironments shown(scene.environments, kept.environments);
+  (void)state.member("environment").one_of(shown.names());
+  kept.revision = stored->revision;
+  kept.state = read_state(state);
+  return kept;
 }
 
 /// Microseconds since 1970, and always later than the last and than the stored one: unique over

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/session/design_session.h"
+#include "server/store/environment_folder.h"
 
 namespace rimlight::server {
 
@@ -21,9 +22,10 @@ struct RegistrySettings {
 /// forgotten here. Any thread.
 class SessionRegistry {
  public:
-  /// `scenes`, `queue` and `store` must outlive it.
+  /// `scenes`, `queue`, `store` and `uploads` (of environments; null: kept in memory) must outlive
+  /// it.
   SessionRegistry(const SceneCatalog& scenes, RenderQueue& queue, const RegistrySettings& settings,
-                  SessionStore* store = nullptr);
+                  SessionStore* store = nullptr, EnvironmentFolder* uploads = nullptr);
   ~SessionRegistry();
 
   const SceneCatalog& scenes() const { return scenes_; }
@@ -36,6 +38,12 @@ class SessionRegistry {
                                                     const std::string& scene,
                                                     const std::shared_ptr<Client>& client,
                                                     Clock::time_point now);
+  /// Finds or creates it as join() does, for what needs no client.
+  [[nodiscard]] std::shared_ptr<DesignSession> open(const std::string& name,
+                                                    const std::string& scene);
+  /// Keeps an uploaded environment, and shows it from now on. Throws Error as
+  /// EnvironmentFolder::add() and DesignSession::add_environment() do. Writes to the disk.
+  void add_environment(DesignSession& session, const EnvironmentPtr& environment);
   /// Forgets sessions that have been idle for too long.
   void drop_idle(Clock::time_point now);
   /// Ends all work; sessions stay readable until they are dropped.
@@ -45,6 +53,8 @@ class SessionRegistry {
  private:
   using Key = std::pair<std::string, std::string>;  // scene, session
 
+  const ServedScene& find_scene(const std::string& name, const std::string& scene);
+  std::shared_ptr<DesignSession> find_or_make(const std::string& name, const ServedScene& served);
   bool make_room();
   KeptSession load(const ServedScene& scene, const std::string& name);
   std::int64_t next_epoch(std::int64_t stored);
@@ -53,6 +63,7 @@ class SessionRegistry {
   RenderQueue& queue_;
   const RegistrySettings settings_;
   SessionStore* const store_;
+  EnvironmentFolder* const uploads_;
   mutable std::mutex mutex_;
   std::map<Key, std::shared_ptr<DesignSession>> sessions_;
   std::int64_t last_epoch_ = 0;

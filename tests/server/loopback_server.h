@@ -22,7 +22,8 @@ class LoopbackServer {
     int height = 48;
     NetworkSettings network{.port = 0};
     RegistrySettings sessions;
-    std::filesystem::path store;  // of sessions; without one they live in memory
+    std::filesystem::path store;    // of sessions; without one they live in memory
+    std::filesystem::path uploads;  // of environments; the same
   };
   explicit LoopbackServer(const Settings& settings);
   LoopbackServer() : LoopbackServer(Settings{}) {}
@@ -41,6 +42,7 @@ class LoopbackServer {
   StaticFiles files_;
   RenderQueue queue_;
   std::unique_ptr<SessionStore> store_;
+  std::unique_ptr<EnvironmentFolder> uploads_;
   SessionRegistry sessions_;
   HttpServer http_;
   std::jthread compute_;
