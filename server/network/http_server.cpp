@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
@@ -24,6 +25,7 @@
 #include "server/network/tls_context.h"
 #include "server/network/transport.h"
 #include "server/network/upload_desk.h"
+#include "server/network/waiting_room.h"
 
 namespace rimlight::server {
 namespace {
@@ -39,6 +41,8 @@ constexpr std::chrono::milliseconds kPause{20};
 constexpr std::size_t kRefusals = 32;
 /// The same of one address.
 constexpr std::size_t kRefusalsPerAddress = 4;
+/// Of sockets that have not asked for anything: else a quarter of all.
+constexpr std::size_t kFewestWaiting = 8;
 /// Of one address when nothing else is set, beyond loopback.
 constexpr std::size_t kPerAddress = 16;
 
@@ -110,6 +114,8 @@ struct HttpServer::State {
   State(const NetworkSettings& settings_, const StaticFiles& files, SessionRegistry& sessions_)
       : settings(settings_),
         sessions(sessions_),
+        waiting(std::max(kFewestWaiting, settings_.most_connections / 4)),
+        uploads(settings_.decoder),
         context(settings_.threads),
         acceptor(listening(context, settings)),
         tls(settings.tls.empty() ? nullptr : server_tls(settings.tls)),
@@ -119,13 +125,17 @@ struct HttpServer::State {
         signals(acceptor.get_executor()),
         reload(acceptor.get_executor()),
         timer(acceptor.get_executor()),
-        uploads(settings.decoder),
-        site{settings, hosts, files, sessions_, gate, uploads} {}
+        site{settings, hosts, files, sessions_, gate, uploads, waiting} {}
+
+  ~State() { uploads.close(); }  // its thread answers on the context
 
   const NetworkSettings settings;
   SessionRegistry& sessions;
   AddressLimit addresses;
-  StopGate gate;  // outlives the coroutines that the context destroys after a hard stop
+  // These outlive the coroutines that the context destroys after a hard stop.
+  StopGate gate;
+  WaitingRoom waiting;
+  UploadDesk uploads;
   net::io_context context;
   // The acceptor and what follows, but the address, are its strand's.
   Tcp::acceptor acceptor;
@@ -137,7 +147,6 @@ struct HttpServer::State {
   net::signal_set reload;   // of the files of TLS
   net::steady_timer timer;  // of the housekeeping
   bool stopping = false;
-  UploadDesk uploads;
   Site site;
 
   net::awaitable<void> accept();

@@ -66,10 +66,35 @@ HttpSession::HttpSession(Transport stream, const Site& site)
 /// The handshake of TLS and the first header have one deadline together.
 net::awaitable<void> HttpSession::run() {
   stream_.next_layer().expires_after(site_.settings.handshake_timeout);
-  const bool speaks = co_await stream_.accept();
+  const bool speaks = co_await shake_hands();
   if (!speaks) co_return;
   co_await serve();
   if (!connection_) co_await stream_.finish(kGoodbye);
+}
+
+net::awaitable<bool> HttpSession::shake_hands() {
+  const WaitingRoom::Seat seat(site_.waiting, shared_from_this());
+  waiting_ = true;
+  const bool speaks = co_await stream_.accept();
+  waiting_ = false;
+  co_return speaks;
+}
+
+net::awaitable<beast::error_code> HttpSession::read_header(HeaderParser& parser,
+                                                           beast::flat_buffer& buffer) {
+  const WaitingRoom::Seat seat(site_.waiting, shared_from_this());
+  waiting_ = true;
+  const auto [error, size] = co_await http::async_read_header(stream_, buffer, parser, kAsTuple);
+  waiting_ = false;
+  co_return error;
+}
+
+void HttpSession::make_way() {
+  net::post(strand_, [self = shared_from_this()] {
+    if (!self->waiting_ || self->connection_) return;
+    self->stopping_ = true;
+    self->stream_.next_layer().close();
+  });
 }
 
 net::awaitable<void> HttpSession::serve() {
@@ -79,7 +104,7 @@ net::awaitable<void> HttpSession::serve() {
     parser.header_limit(kLargestHeader);
     parser.body_limit(boost::none);  // who takes a body looks at its length
     if (!first) stream_.next_layer().expires_after(site_.settings.handshake_timeout);
-    const auto [error, size] = co_await http::async_read_header(stream_, buffer, parser, kAsTuple);
+    const beast::error_code error = co_await read_header(parser, buffer);
     if (error) {
       if (is_malformed(error)) {
         Request malformed;

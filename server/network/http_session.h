@@ -22,6 +22,7 @@
 #include "server/network/stop_gate.h"
 #include "server/network/transport.h"
 #include "server/network/upload_desk.h"
+#include "server/network/waiting_room.h"
 
 namespace rimlight::server {
 
@@ -33,11 +34,14 @@ struct Site {
   SessionRegistry& sessions;
   StopGate& gate;
   UploadDesk& uploads;
+  WaitingRoom& waiting;
 };
 
 /// One accepted socket: answers HTTP requests until it is closed or becomes a WebSocket.
 /// On its strand; any thread may call stop().
-class HttpSession final : public Stoppable, public std::enable_shared_from_this<HttpSession> {
+class HttpSession final : public Stoppable,
+                          public Guest,
+                          public std::enable_shared_from_this<HttpSession> {
  public:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
@@ -48,11 +52,16 @@ class HttpSession final : public Stoppable, public std::enable_shared_from_this<
   /// Before run(): every request is answered with 503, since too many sockets are open.
   void refuse_all() { refusing_ = true; }
   void stop() override;
+  void make_way() override;
 
  private:
   using HeaderParser = boost::beast::http::request_parser<boost::beast::http::empty_body>;
 
   boost::asio::awaitable<void> serve();
+  boost::asio::awaitable<boost::beast::error_code> read_header(HeaderParser& parser,
+                                                               boost::beast::flat_buffer& buffer);
+  boost::asio::awaitable<bool> shake_hands();
+  boost::asio::awaitable<void> refuse_upload(Response response);
   Body body_of(const HeaderParser& parser) const;
   boost::asio::awaitable<bool> answer_body(HeaderParser& header, boost::beast::flat_buffer& buffer);
   boost::asio::awaitable<void> upgrade(Request request);
@@ -78,6 +87,7 @@ class HttpSession final : public Stoppable, public std::enable_shared_from_this<
   Transport stream_;  // moves into the connection
   const boost::asio::any_io_executor strand_;
   std::shared_ptr<Connection> connection_;  // once it is a WebSocket
+  bool waiting_ = false;                    // has a seat in the waiting room
   bool refusing_ = false;
   bool stopping_ = false;
 };

@@ -121,8 +121,7 @@ net::awaitable<void> HttpSession::take_upload(HeaderParser& header, beast::flat_
     response->set(http::field::retry_after, "5");
   }
   if (response) {
-    co_await answer(stream_, std::move(*response));
-    co_await stream_.discard(kUnreadTime);
+    co_await refuse_upload(std::move(*response));
     co_return;
   }
   std::string bytes;
@@ -131,6 +130,14 @@ net::awaitable<void> HttpSession::take_upload(HeaderParser& header, beast::flat_
   Response finished =
       co_await finish_upload(request, std::get<Upload>(std::move(checked)), std::move(bytes));
   co_await answer(stream_, std::move(finished));
+}
+
+net::awaitable<void> HttpSession::refuse_upload(Response response) {
+  co_await answer(stream_, std::move(response));
+  const WaitingRoom::Seat seat(site_.waiting, shared_from_this());
+  waiting_ = true;
+  co_await stream_.discard(kUnreadTime);
+  waiting_ = false;
 }
 
 net::awaitable<bool> HttpSession::read_upload(HeaderParser& header, beast::flat_buffer& buffer,

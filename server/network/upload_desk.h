@@ -19,10 +19,7 @@ class UploadDesk {
   static constexpr int kMost = 4;
 
   explicit UploadDesk(DecoderSettings settings) : settings_(std::move(settings)) {}
-  ~UploadDesk() {
-    stop();
-    pool_.join();
-  }
+  ~UploadDesk() { close(); }
   UploadDesk(const UploadDesk&) = delete;
   UploadDesk& operator=(const UploadDesk&) = delete;
 
@@ -49,6 +46,11 @@ class UploadDesk {
   }
   /// What is being decoded ends at once, in an error.
   void stop() { stop_.request_stop(); }
+  /// The same, and waits until nothing is.
+  void close() {
+    stop();
+    pool_.join();
+  }
 
  private:
   const DecoderSettings settings_;

@@ -109,7 +109,7 @@ TEST(Upload, BothFormatsKeepTheirRadianceAndWhereItComesFrom) {
 }
 
 TEST(Upload, AllClientsAreToldAndEditsMayNameItAndFramesComeOfIt) {
-  const LoopbackServer server(with_decoder());
+  LoopbackServer server(with_decoder());
   const auto client = server.open("a"), other = server.open("a");
   EXPECT_FALSE(wait_for(*other, "welcome").is_null());
   const std::string answer = upload(server, "probe", exr_of({1, 1, 1}, {9, 9, 9}));
