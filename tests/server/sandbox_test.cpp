@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <functional>
 #include <new>
@@ -52,7 +53,7 @@ TEST(Sandbox, MemoryAndTimeEnd) {
   EXPECT_EQ(status_of([] { return std::vector<char>(std::size_t{4} << 30).size() > 0; }), 7);
   EXPECT_EQ(status_of(
                 [] {
-                  for (volatile int i = 0;; i = i + 1) {
+                  for (std::atomic<int> i = 0;; ++i) {
                   }
                   return true;
                 },

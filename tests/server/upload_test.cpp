@@ -10,6 +10,7 @@
 #include "core/base/files.h"
 #include "core/image/image_file.h"
 #include "server/access/access_token.h"
+#include "server/session/session_environments.h"
 #include "server/upload/child_process.h"
 #include "server/upload/decoded_environment.h"
 #include "tests/server/door_client.h"
@@ -96,7 +97,7 @@ TEST(Upload, BothFormatsKeepTheirRadianceAndWhereItComesFrom) {
   const Environment direct = load_environment(folder / "sky.exr");
   const Vec3d expected = integral(direct), got = integral(*environment);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c] / expected[c], 1, 2e-3);
-  const CubeLight a = direct.project(32), b = environment->project(32);
+  const CubeLight a = direct.project(8), b = environment->project(8);
   const auto brightest = [](const CubeLight& light) {
     return std::ranges::max_element(light.channel(0)) - light.channel(0).begin();
   };
@@ -211,14 +212,20 @@ TEST(Upload, ABodyThatComesTooSlowlyEndsTheConnection) {
 }
 
 TEST(Upload, ASessionHasNoMoreThanItsUploads) {
-  const LoopbackServer server(with_decoder());
-  const std::string bytes = hdr_of(16, 8, "\x80\x80\x80\x81");
+  SessionEnvironments environments({"day"}, {});
+  const auto add = [&](const std::string& name) {
+    return error_of(
+        [&] { environments.add(std::make_shared<const Environment>(name, RgbImage(2, 1))); });
+  };
   for (std::size_t i = 0; i < kMostUploads; ++i) {
-    ASSERT_EQ(status_of(upload(server, "e" + std::to_string(i), bytes)), 201);
+    EXPECT_NE(add("day").find("another name"), std::string::npos);
+    EXPECT_EQ(add("e" + std::to_string(i)), "no error");
+    EXPECT_NE(add("e0").find("another name"), std::string::npos);
   }
-  const std::string answer = upload(server, "more", bytes);
-  EXPECT_EQ(status_of(answer), 409);
-  EXPECT_NE(reason_of(answer).find("16 uploaded"), std::string::npos) << answer;
+  EXPECT_NE(add("more").find("16 uploaded"), std::string::npos);
+  EXPECT_EQ(environments.names().size(), kMostUploads + 1);
+  EXPECT_NE(environments.find_uploaded("e3"), nullptr);
+  EXPECT_EQ(environments.find_uploaded("day"), nullptr);
 }
 
 /// Of this process' largest memory so far, in MiB.
