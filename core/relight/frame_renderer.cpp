@@ -214,6 +214,8 @@ void FrameRenderer::add_environment(std::shared_ptr<const Environment> environme
   state_->environments.set({environment, auto_exposure_scale(state_->covered_radiance())});
 }
 
+void FrameRenderer::set_budget(const FrameBudget& budget) { state_->settings.budget = budget; }
+
 FrameReport FrameRenderer::render_moving(const DesignState& state, Rgb8Image& frame) {
   const Quaternion rotation = checked_rotation(state);
   Light& light = state_->light(state.environment);

@@ -50,7 +50,9 @@ class FrameRenderer {
   /// Costs one exact product.
   void add_environment(std::shared_ptr<const Environment> environment);
 
-  /// An approximate frame within the coefficient budget.
+  /// What later moving frames may cost.
+  void set_budget(const FrameBudget& budget);
+  /// An approximate frame within the budget.
   FrameReport render_moving(const DesignState& state, Rgb8Image& frame);
 
   /// The exact frame: one fresh full product in canonical order, the code path of `rimlight

@@ -30,6 +30,8 @@ class FrameDeadline {
   FrameDeadline(const FrameBudget& budget, double view_ms);
 
   bool is_kept() const { return budget_.unit == FrameBudget::Unit::milliseconds; }
+  /// Of later frames.
+  void set_budget(const FrameBudget& budget) { budget_ = budget; }
   /// A frame starts now.
   void start();
   double elapsed_ms() const { return watch_.elapsed_ms(); }

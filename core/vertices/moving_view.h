@@ -31,6 +31,7 @@ class MovingView {
 
   ShownView& shown() { return shown_; }
 
+  void set_budget(const FrameBudget& budget) { deadline_.set_budget(budget); }
   void start() { deadline_.start(); }
   /// Traces the view, as much as there is time for.
   void look(const Camera& camera);

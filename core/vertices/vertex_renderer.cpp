@@ -253,6 +253,8 @@ void VertexRenderer::add_environment(std::shared_ptr<const Environment> environm
   state_->environments.set({environment, auto_exposure_scale(covered)});
 }
 
+void VertexRenderer::set_budget(const FrameBudget& budget) { state_->quick.set_budget(budget); }
+
 FrameReport VertexRenderer::render_moving(const DesignState& state, Rgb8Image& frame) {
   return state_->show_moving(state, [&](const auto& tiles, const auto& background) {
     state_->quick.shown().display.show(tiles, background, state_->environments.exposure_of(state),

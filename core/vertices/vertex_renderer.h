@@ -72,6 +72,8 @@ class VertexRenderer {
   /// is found as a bake finds it, in the scene's own camera.
   void add_environment(std::shared_ptr<const Environment> environment);
 
+  /// What later moving frames may cost.
+  void set_budget(const FrameBudget& budget);
   /// A frame of one ray through each pixel, or each fourth pixel, within the budget.
   FrameReport render_moving(const DesignState& state, Rgb8Image& frame);
   /// The same as linear radiance, composited, before exposure and tone mapping.

@@ -213,10 +213,9 @@ net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& t
   Response refusal;
   try {
     session = site_.sessions.join(target.session, target.scene, connection_, Clock::now());
-    refusal = plain(request, http::status::service_unavailable,
-                    "all sessions of this server are in use; try again later");
+    refusal = try_later(request, "this server has no room for another session; try again later");
   } catch (const StoreError& error) {
-    refusal = plain(request, http::status::service_unavailable, error.what());
+    refusal = try_later(request, error.what());
   } catch (const Error& error) {
     refusal = plain(request, http::status::not_found, error.what());
   }
@@ -230,9 +229,7 @@ net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& t
 
 Response HttpSession::respond(const Request& request) const {
   if (refusing_) {
-    Response response =
-        plain(request, http::status::service_unavailable, "too many connections; try again later");
-    response.set(http::field::retry_after, "5");
+    Response response = try_later(request, "too many connections; try again later");
     response.keep_alive(false);
     return response;
   }

@@ -78,8 +78,7 @@ std::variant<HttpSession::Upload, HttpSession::Response> HttpSession::check_uplo
     return refusal_of(request, http::status::not_found, error);
   }
   if (!upload.session) {
-    return refuse(request, {http::status::service_unavailable,
-                            "all sessions of this server are in use; try again later"});
+    return try_later(request, "the server has no place for another session; try again later");
   }
   try {
     upload.session->environments().check_room(upload.environment);
@@ -117,8 +116,7 @@ net::awaitable<void> HttpSession::take_upload(HeaderParser& header, beast::flat_
   if (auto* const refusal = std::get_if<Response>(&checked)) {
     response = std::move(*refusal);
   } else if (!place.is_taken()) {
-    response = refuse(request, {http::status::service_unavailable, "too many uploads at once"});
-    response->set(http::field::retry_after, "5");
+    response = try_later(request, "too many uploads at once; try again later");
   }
   if (response) {
     co_await refuse_upload(std::move(*response));

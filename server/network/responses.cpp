@@ -31,6 +31,12 @@ Response plain(const EmptyRequest& request, http::status status, std::string_vie
                        std::string(text) + "\n");
 }
 
+Response try_later(const EmptyRequest& request, std::string_view reason) {
+  Response response = plain(request, http::status::service_unavailable, reason);
+  response.set(http::field::retry_after, "5");
+  return response;
+}
+
 Response json_body(const EmptyRequest& request, http::status status, std::string body) {
   return make_response(status, request.version(), request.keep_alive(), "application/json",
                        std::move(body));

@@ -20,6 +20,8 @@ Response make_response(boost::beast::http::status status, unsigned version, bool
 /// One line of text.
 Response plain(const EmptyRequest& request, boost::beast::http::status status,
                std::string_view text);
+/// 503, with Retry-After.
+Response try_later(const EmptyRequest& request, std::string_view reason);
 Response json_body(const EmptyRequest& request, boost::beast::http::status status,
                    std::string body);
 /// Neither what is wrong with a token nor whether a session exists is a stranger's business.

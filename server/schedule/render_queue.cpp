@@ -1,5 +1,7 @@
 #include "server/schedule/render_queue.h"
 
+#include <algorithm>
+
 #include "core/base/parallel.h"
 
 namespace rimlight::server {
@@ -8,9 +10,9 @@ void RenderQueue::schedule(const std::shared_ptr<RenderJob>& job, Clock::time_po
   {
     const std::lock_guard lock(mutex_);
     const auto [found, is_new] = jobs_.try_emplace(job.get());
-    if (!is_new) by_due_.erase({found->second.due, job.get()});
-    found->second = {due, job};
-    by_due_.insert({due, job.get()});
+    if (!is_new) by_due_.erase({found->second.due, found->second.place, job.get()});
+    found->second = {due, ++scheduled_, job};
+    by_due_.insert({due, scheduled_, job.get()});
   }
   changed_.notify_one();
 }
@@ -19,27 +21,33 @@ void RenderQueue::unschedule(const RenderJob& job) {
   const std::lock_guard lock(mutex_);
   const auto found = jobs_.find(&job);
   if (found == jobs_.end()) return;
-  by_due_.erase({found->second.due, &job});
+  by_due_.erase({found->second.due, found->second.place, &job});
   jobs_.erase(found);
 }
 
 bool RenderQueue::run_one(Clock::time_point now) {
-  std::shared_ptr<RenderJob> job;
+  Scheduled next;
   {
     const std::lock_guard lock(mutex_);
-    if (by_due_.empty() || by_due_.begin()->first > now) return false;
-    const auto found = jobs_.find(by_due_.begin()->second);
+    if (by_due_.empty() || std::get<0>(*by_due_.begin()) > now) return false;
+    const auto found = jobs_.find(std::get<2>(*by_due_.begin()));
     by_due_.erase(by_due_.begin());
-    job = found->second.job.lock();
+    next = std::move(found->second);
     jobs_.erase(found);
   }
-  if (job) job->work(now);  // outside the lock: it schedules itself again
+  const std::shared_ptr<RenderJob> job = next.job.lock();
+  if (!job) return true;
+  // What a job waits for itself is not for want of a turn.
+  overload_.begin(job.get() == last_job_ ? std::max(next.due, last_end_) : next.due, now);
+  job->work(now);  // outside the lock: it schedules itself again
+  last_job_ = job.get();
+  last_end_ = this->now();
   return true;
 }
 
 Clock::time_point RenderQueue::next_due() const {
   const std::lock_guard lock(mutex_);
-  return by_due_.empty() ? Clock::time_point::max() : by_due_.begin()->first;
+  return by_due_.empty() ? Clock::time_point::max() : std::get<0>(*by_due_.begin());
 }
 
 void RenderQueue::run(const std::stop_token& stop) {
@@ -47,14 +55,14 @@ void RenderQueue::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     if (run_one(now())) continue;
     std::unique_lock lock(mutex_);
-    const auto due_now = [&] { return !by_due_.empty() && by_due_.begin()->first <= now(); };
+    const auto due_now = [&] { return !by_due_.empty() && std::get<0>(*by_due_.begin()) <= now(); };
     // A due time that moves is a change too: the wait starts again with the new one.
     if (by_due_.empty()) {
       changed_.wait(lock, stop, [&] { return !by_due_.empty(); });
     } else if (!due_now()) {
-      const Clock::time_point due = by_due_.begin()->first;
+      const Clock::time_point due = std::get<0>(*by_due_.begin());
       changed_.wait_until(lock, stop, due,
-                          [&] { return by_due_.empty() || by_due_.begin()->first < due; });
+                          [&] { return by_due_.empty() || std::get<0>(*by_due_.begin()) < due; });
     }
   }
 }

@@ -15,8 +15,13 @@ template <typename Renderer>
 class RendererSource final : public FrameSource {
  public:
   template <typename... Arguments>
-  explicit RendererSource(Arguments&&... arguments)
-      : renderer_(std::forward<Arguments>(arguments)...) {}
+  explicit RendererSource(const FrameBudget& budget, Arguments&&... arguments)
+      : budget_(budget), renderer_(std::forward<Arguments>(arguments)...) {}
+
+  void set_budget_share(double share) override {
+    if (budget_.unit != FrameBudget::Unit::milliseconds) return;
+    renderer_.set_budget({budget_.unit, budget_.amount * share});
+  }
 
   FrameReport render_moving(const DesignState& state, Rgb8Image& frame) override {
     return renderer_.render_moving(state, frame);
@@ -37,6 +42,7 @@ class RendererSource final : public FrameSource {
   }
 
  private:
+  const FrameBudget budget_;
   Renderer renderer_;
 };
 
@@ -74,7 +80,8 @@ ServedScene serve_bake(std::shared_ptr<const Bake> bake, const RelightSettings& 
     scene.measured.push_back({each.name, *each.measured});
   }
   scene.make_source = [bake = std::move(bake), settings] {
-    return std::make_unique<RendererSource<FrameRenderer>>(bake, settings, curve_layer_of(bake));
+    return std::make_unique<RendererSource<FrameRenderer>>(settings.budget, bake, settings,
+                                                           curve_layer_of(bake));
   };
   return scene;
 }
@@ -89,7 +96,7 @@ ServedScene serve_vertices(const std::string& name, std::shared_ptr<const Vertex
   scene.any_view = true;
   scene.materials = vertices->materials;
   scene.make_source = [vertices = std::move(vertices), settings] {
-    return std::make_unique<RendererSource<VertexRenderer>>(vertices, settings);
+    return std::make_unique<RendererSource<VertexRenderer>>(settings.budget, vertices, settings);
   };
   return scene;
 }

@@ -16,6 +16,7 @@ FrameMaker::Made FrameMaker::make(const FrameTask& task, const std::function<boo
   prepare(task.state);
   FrameReport report;
   if (!task.exact) {
+    source_->set_budget_share(queue_.overload().budget_share(queue_.now()));
     report = source_->render_moving(task.state, image_);
   } else if (!source_->render_exact(task.state, image_, report, abandon)) {
     return {};

@@ -14,6 +14,10 @@ namespace rimlight::server {
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
+  /// Of a budget in milliseconds, what later moving frames may take: above 0, at most 1. Other
+  /// budgets stay: they promise the same image for the same edits. Sources without one need not
+  /// have it.
+  virtual void set_budget_share(double /*share*/) {}
   virtual FrameReport render_moving(const DesignState& state, Rgb8Image& frame) = 0;
   /// False when `abandon` answered true: the frame was not touched.
   virtual bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,

@@ -31,6 +31,7 @@ std::shared_ptr<DesignSession> SessionRegistry::find_or_make(const std::string& 
   const Key key{served.name, name};
   auto found = sessions_.find(key);
   if (found == sessions_.end()) {
+    if (queue_.overload().stage(queue_.now()) >= Overload::Stage::no_new_sessions) return nullptr;
     if (sessions_.size() >= settings_.most_sessions && !make_room()) return nullptr;
     const KeptSession kept = load(served, name);
     auto session = std::make_shared<DesignSession>(name, served, next_epoch(kept.revision.epoch),

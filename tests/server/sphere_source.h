@@ -16,6 +16,7 @@ struct SphereProbe {
   std::atomic<int> abandoned{0};
   std::atomic<int> added_environments{0};
   std::function<void(int row)> on_row;  // called before each row of an exact frame
+  std::atomic<double> budget_share{0};  // as it was last told
   std::atomic<bool> broken{false};      // every render throws Error
   /// Slices of work that frames leave, for the next edits or for the exact frame.
   std::atomic<int> slices_left{0};
@@ -30,6 +31,7 @@ class SphereSource final : public FrameSource {
   SphereSource(int width, int height, std::shared_ptr<SphereProbe> probe)
       : width_(width), height_(height), probe_(std::move(probe)) {}
 
+  void set_budget_share(double share) override { probe_->budget_share = share; }
   FrameReport render_moving(const DesignState& state, Rgb8Image& frame) override;
   bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
                     const std::function<bool()>& abandon) override;
