@@ -20,6 +20,7 @@ void add_report_command(CLI::App& app, Action& chosen);
 void add_serve_command(CLI::App& app, Action& chosen);
 void add_sessions_command(CLI::App& app, Action& chosen);
 void add_token_command(CLI::App& app, Action& chosen);
+void add_decode_command(CLI::App& app, Action& chosen);
 void add_load_command(CLI::App& app, Action& chosen);
 
 }  // namespace rimlight

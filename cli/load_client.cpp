@@ -25,7 +25,9 @@ double to_ms(Clock::duration duration) {
 class Player {
  public:
   Player(const LoadClientSettings& settings, const LoadScript& script)
-      : settings_(settings), script_(script), stream_(settings.url, target(settings)) {}
+      : settings_(settings),
+        script_(script),
+        stream_(settings.url, target(settings), settings.pass) {}
 
   LoadRecord run() {
     open_ = stream_.send_text(display_message(settings_.codec));

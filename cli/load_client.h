@@ -40,6 +40,7 @@ struct LoadRecord {
 
 struct LoadClientSettings {
   StreamUrl url;
+  StreamPass pass = {};
   std::string session;
   std::string scene;                            // empty: the default
   std::chrono::steady_clock::time_point start;  // of the script

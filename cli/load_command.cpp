@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -13,6 +14,8 @@
 #include "cli/load_client.h"
 #include "cli/load_report.h"
 #include "cli/number_range.h"
+#include "core/base/error.h"
+#include "core/base/files.h"
 #include "core/light/light_sequence_source.h"
 #include "server/session/baked_scene.h"
 
@@ -23,6 +26,9 @@ constexpr double kDefaultSeconds = 5;
 
 struct LoadOptions {
   std::string url = "ws://127.0.0.1:8080";
+  std::string token;
+  std::string token_file;
+  std::string authority;
   std::string scene;
   std::string bake;
   std::string script;
@@ -76,8 +82,21 @@ LoadCodec codec_of(const LoadOptions& options) {
   return options.codec == "vp8" ? LoadCodec::vp8 : LoadCodec::jpeg;
 }
 
+/// The token of the file, the option or the environment, in that order.
+StreamPass pass_of(const LoadOptions& options) {
+  constexpr std::size_t kLargest = 16 * 1024;
+  StreamPass pass{options.token, options.authority};
+  if (!options.token_file.empty()) {
+    pass.token = read_file(options.token_file, kLargest);
+    pass.token.erase(std::min(pass.token.find_first_of("\r\n \t"), pass.token.size()));
+    if (pass.token.empty()) throw Error(options.token_file, "nothing", "an access token");
+  }
+  return pass;
+}
+
 std::vector<LoadRecord> play_all(const LoadOptions& options) {
   const Plan plan = plan_of(options);
+  const StreamPass pass = pass_of(options);
   const std::string run = "load-" + std::to_string(std::random_device{}());
   const auto count = static_cast<std::size_t>(options.clients);
   const auto start = std::chrono::steady_clock::now() + std::chrono::milliseconds(300);
@@ -89,6 +108,7 @@ std::vector<LoadRecord> play_all(const LoadOptions& options) {
       threads.emplace_back([&, i] {
         try {
           const LoadClientSettings settings{parse_stream_url(options.url),
+                                            pass,
                                             session_name(run, options, i),
                                             options.scene,
                                             start,
@@ -132,6 +152,15 @@ void add_load_command(CLI::App& app, Action& chosen) {
   CLI::App* const command = app.add_subcommand(
       "load", "Play scripted clients against a server, measure, and check what they get");
   command->add_option("--url", options->url, "The server")->capture_default_str();
+  command
+      ->add_option("--token", options->token,
+                   "An access token; better by --token-file or RIMLIGHT_TOKEN, since other users "
+                   "see arguments")
+      ->envname("RIMLIGHT_TOKEN");
+  command->add_option("--token-file", options->token_file,
+                      "A file that holds an access token; it goes first");
+  command->add_option("--certificate-authority", options->authority,
+                      "Whom to believe who the server of a wss:// URL is, in PEM [this machine's]");
   command->add_option("--clients", options->clients, "How many")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

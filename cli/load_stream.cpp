@@ -4,6 +4,7 @@
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/host_name_verification.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/string_body.hpp>
@@ -13,6 +14,8 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "server/network/tls_context.h"
+#include "server/network/transport.h"
 
 namespace rimlight {
 namespace {
@@ -28,16 +31,19 @@ constexpr std::size_t kLargestFrame = std::size_t{256} << 20;
 }  // namespace
 
 StreamUrl parse_stream_url(const std::string& url) {
-  constexpr std::string_view kScheme = "ws://";
   std::string_view rest = url;
-  const auto fail = [&] { throw Error("--url", quote(url), "ws://HOST:PORT"); };
-  if (!rest.starts_with(kScheme)) fail();
-  rest.remove_prefix(kScheme.size());
+  const auto fail = [&] { throw Error("--url", quote(url), "ws://HOST:PORT or wss://HOST:PORT"); };
+  const bool is_secure = rest.starts_with("wss://");
+  if (!is_secure && !rest.starts_with("ws://")) fail();
+  rest.remove_prefix(rest.find("//") + 2);
   if (rest.ends_with('/')) rest.remove_suffix(1);
   const std::size_t colon = rest.rfind(':');
   const bool has_port = colon != std::string_view::npos && !rest.ends_with(']');
   StreamUrl result{std::string(rest.substr(0, has_port ? colon : rest.size())),
-                   has_port ? std::string(rest.substr(colon + 1)) : "80"};
+                   has_port    ? std::string(rest.substr(colon + 1))
+                   : is_secure ? "443"
+                               : "80",
+                   is_secure};
   if (result.host.starts_with('[') && result.host.ends_with(']')) {
     result.host = result.host.substr(1, result.host.size() - 2);
   }
@@ -51,8 +57,14 @@ StreamUrl parse_stream_url(const std::string& url) {
 }
 
 struct StreamClient::State {
+  State(const StreamUrl& url, const StreamPass& pass)
+      : tls(url.secure ? server::client_tls(pass.authority) : nullptr),
+        socket(tls ? server::Transport(beast::tcp_stream(context), *tls)
+                   : server::Transport(beast::tcp_stream(context))) {}
+
   net::io_context context{1};
-  websocket::stream<beast::tcp_stream, false> socket{context};
+  std::shared_ptr<net::ssl::context> tls;
+  websocket::stream<server::Transport, false> socket;
   beast::flat_buffer buffer;
   bool reading = false;  // a read is under way, over several calls of receive()
   std::optional<beast::error_code> read_result;
@@ -71,7 +83,9 @@ struct StreamClient::State {
     return true;
   }
   bool send(std::string_view bytes, bool is_text);
-  void connect(const StreamUrl& url, const std::string& target, Clock::time_point deadline);
+  void connect(const StreamUrl& url, const std::string& target, const StreamPass& pass,
+               Clock::time_point deadline);
+  beast::error_code handshake(const StreamUrl& url);
   [[noreturn]] void refuse(const std::string& where, const beast::error_code& error,
                            const websocket::response_type& response);
 };
@@ -86,10 +100,23 @@ void StreamClient::State::refuse(const std::string& where, const beast::error_co
   throw Error(where, found, "a Rimlight server that takes the connection");
 }
 
+/// Of TLS: the certificate must be good, and of that host.
+beast::error_code StreamClient::State::handshake(const StreamUrl& url) {
+  server::Transport::Secure* const secure = socket.next_layer().secure();
+  if (secure == nullptr) return {};
+  SSL_set_tlsext_host_name(secure->native_handle(), url.host.c_str());
+  std::optional<beast::error_code> result;
+  secure->set_verify_callback(net::ssl::host_name_verification(url.host));
+  secure->async_handshake(net::ssl::stream_base::client,
+                          [&](beast::error_code error) { result = error; });
+  run_until(Clock::time_point::max(), [&] { return result.has_value(); });
+  return *result;
+}
+
 void StreamClient::State::connect(const StreamUrl& url, const std::string& target,
-                                  Clock::time_point deadline) {
+                                  const StreamPass& pass, Clock::time_point deadline) {
   const std::string authority = url.host + ":" + url.port;
-  const std::string where = "ws://" + authority + target;
+  const std::string where = (url.secure ? "wss://" : "ws://") + authority + target;
   net::ip::tcp::resolver resolver(context);
   websocket::response_type response;
   std::optional<beast::error_code> result;
@@ -105,6 +132,12 @@ void StreamClient::State::connect(const StreamUrl& url, const std::string& targe
   if (*result) refuse(where, *result, response);
   beast::error_code ignored;
   plain.socket().set_option(net::ip::tcp::no_delay(true), ignored);
+  if (const beast::error_code refused = handshake(url)) refuse(where, refused, response);
+  if (!pass.token.empty()) {
+    socket.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
+      request.set(beast::http::field::authorization, "Bearer " + pass.token);
+    }));
+  }
   socket.auto_fragment(false);
   socket.read_message_max(kLargestFrame);
   result.reset();
@@ -129,10 +162,10 @@ bool StreamClient::State::send(std::string_view bytes, bool is_text) {
   return !closed;
 }
 
-StreamClient::StreamClient(const StreamUrl& url, const std::string& target,
+StreamClient::StreamClient(const StreamUrl& url, const std::string& target, const StreamPass& pass,
                            std::chrono::milliseconds timeout)
-    : state_(std::make_unique<State>()) {
-  state_->connect(url, target, Clock::now() + timeout);
+    : state_(std::make_unique<State>(url, pass)) {
+  state_->connect(url, target, pass, Clock::now() + timeout);
 }
 
 StreamClient::~StreamClient() = default;

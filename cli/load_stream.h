@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -10,13 +11,20 @@
 
 namespace rimlight {
 
-/// Where a server listens: "ws://127.0.0.1:8080".
+/// Where a server listens: "ws://127.0.0.1:8080", or wss for TLS.
 struct StreamUrl {
   std::string host;
   std::string port;
+  bool secure = false;
 };
 /// Throws Error: another scheme, no host, a path, or a port that is no number.
 StreamUrl parse_stream_url(const std::string& url);
+
+/// How a client is let in, and lets the server be who it is.
+struct StreamPass {
+  std::string token;                // shown as a bearer's; empty: none
+  std::filesystem::path authority;  // of the server's certificate, in PEM; empty: this machine's
+};
 
 /// A client's end of one session's WebSocket. Calls block, each with a deadline. One thread.
 class StreamClient {
@@ -25,7 +33,7 @@ class StreamClient {
 
   /// Connects and upgrades. `target` is "/sessions/NAME/stream?scene=NAME". Throws Error naming the
   /// address: nobody listens, or the server refuses (with its HTTP status and reason).
-  StreamClient(const StreamUrl& url, const std::string& target,
+  StreamClient(const StreamUrl& url, const std::string& target, const StreamPass& pass = {},
                std::chrono::milliseconds timeout = std::chrono::seconds(10));
   ~StreamClient();
   StreamClient(const StreamClient&) = delete;

@@ -39,6 +39,7 @@ int run(int argc, char** argv) {
   rimlight::add_sessions_command(program, chosen);
   rimlight::add_token_command(program, chosen);
   rimlight::add_load_command(program, chosen);
+  rimlight::add_decode_command(program, chosen);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -33,6 +33,8 @@ struct ServeOptions {
   std::string host;
   std::optional<std::uint16_t> port;
   std::string key;
+  server::TlsFiles tls;
+  bool selftest_echo = false;
   std::vector<std::string> host_names;
   std::vector<std::string> origins;
   std::string budget;
@@ -79,6 +81,9 @@ OptionValues values_of(const ServeOptions& options) {
   text("host", options.host);
   if (options.port) values["port"] = *options.port;
   text("key_file", options.key);
+  text("tls_certificate", options.tls.certificate);
+  text("tls_key", options.tls.key);
+  if (options.selftest_echo) values["selftest_echo"] = true;
   list("host_names", options.host_names);
   list("origins", options.origins);
   text("budget", options.budget);
@@ -147,6 +152,14 @@ std::shared_ptr<server::ServerMetrics> count_all(ServeConfig& config) {
   return metrics;
 }
 
+/// Beside the store: FILE.environments. Nothing where sessions live in memory.
+std::unique_ptr<server::EnvironmentFolder> open_uploads(const ServeConfig& config) {
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+  if (config.store.empty()) return nullptr;
+  return std::make_unique<server::EnvironmentFolder>(config.store.string() + ".environments",
+                                                     kMostBytes);
+}
+
 int serve(const ServeOptions& options) {
   LayeredConfig layers = merge(options);
   ServeConfig& config = layers.config;
@@ -158,7 +171,8 @@ int serve(const ServeOptions& options) {
   server::RenderQueue queue;
   // Ends after the sessions, and before what their last edits still schedule.
   const std::unique_ptr<server::SessionStore> store = open_store(config);
-  server::SessionRegistry sessions(scenes, queue, config.sessions, store.get());
+  const std::unique_ptr<server::EnvironmentFolder> uploads = open_uploads(config);
+  server::SessionRegistry sessions(scenes, queue, config.sessions, store.get(), uploads.get());
   server::HttpServer http(config.network, files, sessions);
   std::jthread compute([&queue](const std::stop_token& stop) { queue.run(stop); });
 
@@ -191,6 +205,11 @@ void add_serve_command(CLI::App& app, Action& chosen) {
   command->add_option("--port", options->port, "The port; 0 takes a free one [8080]");
   command->add_option("--key", options->key,
                       "A file of signing keys: clients must show tokens (`rimlight token`)");
+  command->add_option("--tls-certificate", options->tls.certificate,
+                      "A chain of certificates in PEM: https and wss; SIGHUP reads it again");
+  command->add_option("--tls-key", options->tls.key, "Its private key in PEM, for this user alone");
+  command->add_flag("--selftest-echo", options->selftest_echo,
+                    "/selftest/echo sends messages back, for conformance suites; on loopback only");
   command->add_option("--host-name", options->host_names,
                       "A name that clients call this server by, besides addresses and localhost");
   command->add_option("--origin", options->origins,

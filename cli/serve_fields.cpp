@@ -79,6 +79,15 @@ ServeField duration_field(const char* name, Range range, Place place) {
           [place](const ServeConfig& config) { return json(place(config).count()); }};
 }
 
+template <typename Place>
+ServeField flag_field(const char* name, Place place) {
+  return {name, Form::flag,
+          [place](const JsonReader& value, const fs::path&, ServeConfig& config) {
+            place(config) = value.boolean();
+          },
+          [place](const ServeConfig& config) { return json(place(config)); }};
+}
+
 /// A text that `parse` reads, and `write` makes.
 template <typename Parse, typename Write>
 ServeField parsed_field(const char* name, Parse parse, Write write) {
@@ -147,6 +156,12 @@ std::vector<ServeField> network_fields() {
           "port", {0, 65535}, [](auto& config) -> auto& { return config.network.port; }),
       path_field(
           "key_file", [](auto& config) -> auto& { return config.key_file; }),
+      path_field(
+          "tls_certificate", [](auto& config) -> auto& { return config.network.tls.certificate; }),
+      path_field(
+          "tls_key", [](auto& config) -> auto& { return config.network.tls.key; }),
+      flag_field(
+          "selftest_echo", [](auto& config) -> auto& { return config.network.selftest_echo; }),
       texts_field(
           "host_names", [](auto& config) -> auto& { return config.network.host_names; }),
       texts_field(

@@ -15,7 +15,7 @@ namespace rimlight {
 /// name in capitals, and often an option. docs/protocol/schema/server_config.schema.json says the
 /// same of each.
 struct ServeField {
-  enum class Form { text, number, texts, path, paths };
+  enum class Form { text, number, flag, texts, path, paths };
 
   std::string name;
   Form form;

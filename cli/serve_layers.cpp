@@ -41,6 +41,10 @@ json value_of(const ServeField& field, const std::string& text) {
       const json number = json::parse(text, nullptr, /*allow_exceptions=*/false);
       return number.is_number() ? number : json(text);
     }
+    case Form::flag: {
+      const json flag = json::parse(text, nullptr, /*allow_exceptions=*/false);
+      return flag.is_boolean() ? flag : json(text);
+    }
     case Form::text:
     case Form::path:
       return text;

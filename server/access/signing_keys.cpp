@@ -3,17 +3,15 @@
 #include <fcntl.h>
 #include <openssl/evp.h>
 #include <openssl/rand.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "core/base/error.h"
 #include "core/base/json_reader.h"
+#include "server/access/private_file.h"
 #include "server/protocol/stream_target.h"
 
 namespace rimlight::server {
@@ -22,55 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFile = 64 * 1024;
+constexpr const char* kFile = "a file of signing keys";
 constexpr const char* kExpectedFile =
     "a JWK set, {\"keys\": [{\"kty\": \"oct\", \"alg\": \"HS256\", \"kid\": NAME, \"k\": SECRET}]}";
-
-/// A file descriptor that closes itself.
-class Descriptor {
- public:
-  Descriptor(const fs::path& file, int flags) : number_(::open(file.c_str(), flags, 0600)) {
-    if (number_ < 0) throw Error(file.string(), std::strerror(errno), "a file of signing keys");
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() { ::close(number_); }
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
-
-/// Of the open file, so that it cannot be exchanged between the check and the reading.
-void check_private(const Descriptor& descriptor, const fs::path& file) {
-  struct stat status {};
-  if (::fstat(descriptor.number(), &status) != 0 || !S_ISREG(status.st_mode)) {
-    throw Error(file.string(), "no regular file", "a file of signing keys");
-  }
-  if (status.st_uid != ::geteuid() && status.st_uid != 0) {
-    throw Error(file.string(), "another user's file", "signing keys of this user or of root");
-  }
-  if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
-    throw Error(file.string(), "a file that others than its owner may use",
-                "signing keys for one user alone: chmod 600");
-  }
-}
-
-std::string read_private(const fs::path& file) {
-  const Descriptor descriptor(file, O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe must not block
-  check_private(descriptor, file);
-  std::string bytes(kLargestFile + 1, '\0');
-  std::size_t size = 0;
-  while (size < bytes.size()) {
-    const ssize_t n = ::read(descriptor.number(), bytes.data() + size, bytes.size() - size);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) throw Error(file.string(), std::strerror(errno), "a file of signing keys");
-    if (n == 0) break;
-    size += static_cast<std::size_t>(n);
-  }
-  if (size > kLargestFile) throw Error(file.string(), "more than 64 KiB", kExpectedFile);
-  bytes.resize(size);
-  return bytes;
-}
 
 bool is_base64url(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
@@ -149,7 +101,7 @@ const SigningKey* SigningKeys::find(std::string_view id) const {
 }
 
 SigningKeys read_signing_keys(const fs::path& file) {
-  const std::string text = read_private(file);
+  const std::string text = read_private_file(file, kLargestFile, kFile);
   nlohmann::json document;
   try {
     document = parse_json(text, file.string());
@@ -179,7 +131,7 @@ void make_key_file(const fs::path& file, const std::string& id) {
   const nlohmann::json key{
       {"kty", "oct"}, {"alg", "HS256"}, {"kid", id}, {"k", to_base64url(secret)}};
   const std::string text = nlohmann::json{{"keys", {key}}}.dump(2) + "\n";
-  const Descriptor descriptor(file, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC);
+  const Descriptor descriptor(file, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kFile);
   const ssize_t written = ::write(descriptor.number(), text.data(), text.size());
   if (written != static_cast<ssize_t>(text.size()) || ::fsync(descriptor.number()) != 0) {
     ::unlink(file.c_str());

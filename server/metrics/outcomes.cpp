@@ -10,6 +10,8 @@ const char* to_string(RefusalReason reason) {
       return "host";
     case RefusalReason::body:
       return "body";
+    case RefusalReason::upload:
+      return "upload";
     case RefusalReason::method:
       return "method";
     case RefusalReason::not_found:
@@ -48,6 +50,8 @@ const char* to_string(CloseReason reason) {
       return "silent";
     case CloseReason::message_too_large:
       return "message_too_large";
+    case CloseReason::not_utf8:
+      return "not_utf8";
     case CloseReason::too_many_messages:
       return "too_many_messages";
     case CloseReason::not_reading:

@@ -10,6 +10,7 @@ enum class RefusalReason {
   malformed,          // no HTTP
   host,               // no Host, more than one, or that of another server
   body,               // where none is taken
+  upload,             // of an environment: its length, its name, or what it holds; or too many
   method,             // other than GET and HEAD
   not_found,          // no such path, scene or session
   origin,             // a page of another origin
@@ -25,6 +26,7 @@ enum class RefusalReason {
 inline constexpr std::array kRefusalReasons = {RefusalReason::malformed,
                                                RefusalReason::host,
                                                RefusalReason::body,
+                                               RefusalReason::upload,
                                                RefusalReason::method,
                                                RefusalReason::not_found,
                                                RefusalReason::origin,
@@ -45,6 +47,7 @@ enum class CloseReason {
   handshake_failed,   // before the upgrade was done
   silent,             // no answer to a ping
   message_too_large,  // above the limit of bytes
+  not_utf8,           // a text that is none
   too_many_messages,  // far above the rate
   not_reading,        // too many replies wait
   edits_unstored,     // its edits wait for the disk too long
@@ -52,9 +55,11 @@ enum class CloseReason {
   server_stopped,
 };
 inline constexpr std::array kCloseReasons = {
-    CloseReason::client_closed, CloseReason::client_lost,       CloseReason::handshake_failed,
-    CloseReason::silent,        CloseReason::message_too_large, CloseReason::too_many_messages,
-    CloseReason::not_reading,   CloseReason::edits_unstored,    CloseReason::token_expired,
+    CloseReason::client_closed,     CloseReason::client_lost,
+    CloseReason::handshake_failed,  CloseReason::silent,
+    CloseReason::message_too_large, CloseReason::not_utf8,
+    CloseReason::too_many_messages, CloseReason::not_reading,
+    CloseReason::edits_unstored,    CloseReason::token_expired,
     CloseReason::server_stopped};
 const char* to_string(CloseReason reason);
 

@@ -39,14 +39,28 @@ websocket::close_reason told(CloseReason reason) {
       return {websocket::close_code::policy_error, "the token has expired"};
     case CloseReason::too_many_messages:
       return {websocket::close_code::policy_error, "too many messages"};
+    case CloseReason::not_utf8:
+      return {websocket::close_code::bad_payload, "no UTF-8"};
     default:
       return {websocket::close_code::policy_error};
   }
 }
 
+/// Of text that is UTF-8 but perhaps for its end: whether its last character lacks bytes.
+bool ends_within_character(std::string_view text) {
+  std::size_t following = 0;  // bytes at the end that continue a character
+  for (; following < 3 && following < text.size(); ++following) {
+    const auto byte = static_cast<unsigned char>(text[text.size() - 1 - following]);
+    if ((byte & 0xc0) == 0x80) continue;
+    const std::size_t needed = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : byte >= 0xc0 ? 1 : 0;
+    return following < needed;
+  }
+  return false;
+}
+
 }  // namespace
 
-Connection::Connection(beast::tcp_stream stream, const NetworkSettings& settings, Access access,
+Connection::Connection(Transport stream, const NetworkSettings& settings, Access access,
                        std::int64_t id)
     : settings_(settings),
       access_(std::move(access)),
@@ -78,15 +92,46 @@ net::awaitable<void> Connection::run(Request request, std::shared_ptr<DesignSess
     ended(*joined);
   };
   const std::unique_ptr<DesignSession, decltype(leave)> joined(session.get(), leave);
-  beast::get_lowest_layer(socket_).expires_never();  // from here on the WebSocket's own timeouts
-  const auto [error] = co_await socket_.async_accept(request, kAsTuple);
-  if (!error) {
-    open_ = true;
+  const bool accepted = co_await accept(request);
+  if (accepted) {
     opened(*session);
     end_with_token();
     write_soon();
     co_await read_messages(*session);
   }
+}
+
+net::awaitable<bool> Connection::accept(const Request& request) {
+  beast::get_lowest_layer(socket_).expires_never();  // from here on the WebSocket's own timeouts
+  const auto [error] = co_await socket_.async_accept(request, kAsTuple);
+  open_ = !error;
+  co_return open_;
+}
+
+net::awaitable<void> Connection::echo(Request request) {
+  socket_.read_message_max(kLargestEcho);
+  bool going = co_await accept(request);
+  beast::flat_buffer buffer;
+  while (going) {
+    const auto [error, size] = co_await socket_.async_read(buffer, kAsTuple);
+    if (error || ending_) break;
+    if (!is_whole(buffer)) break;
+    socket_.text(socket_.got_text());
+    const auto [failure, written] = co_await socket_.async_write(buffer.cdata(), kAsTuple);
+    going = !failure;
+    buffer.clear();
+  }
+  ending_ = true;
+}
+
+/// Beast does not look at the end of a text whose last fragment is empty: one that ends within a
+/// character closes the connection.
+bool Connection::is_whole(const beast::flat_buffer& buffer) {
+  const auto bytes = buffer.cdata();
+  const std::string_view text(static_cast<const char*>(bytes.data()), bytes.size());
+  if (!socket_.got_text() || !ends_within_character(text)) return true;
+  close(CloseReason::not_utf8);
+  return false;
 }
 
 net::awaitable<void> Connection::read_messages(DesignSession& session) {
@@ -102,6 +147,7 @@ net::awaitable<void> Connection::read_messages(DesignSession& session) {
       end_by(error);
       co_return;
     }
+    if (!is_whole(buffer)) co_return;
     settings_.metrics->received(size);
     const auto bytes = buffer.cdata();
     if (socket_.got_text()) {
@@ -149,7 +195,7 @@ void Connection::receive(DesignSession& session, std::string_view text) {
 void Connection::handle(DesignSession& session, std::string_view text, Clock::time_point now) {
   try {
     const ClientMessage message =
-        parse_client_message(text, session.scene().environments, session.materials());
+        parse_client_message(text, session.environments().names(), session.materials());
     if (const auto command = command_of(message)) {
       if (session.finishing()) {
         throw Error("server", "about to stop", "one that stays: connect again and send it again");
@@ -247,7 +293,7 @@ void Connection::close(CloseReason reason) {
   reason_ = reason;
   room_.cancel();
   if (!open_) {
-    plain_stream().close();
+    transport().next_layer().close();
     return;
   }
   socket_.async_close(told(reason), [self = shared_from_this()](beast::error_code) {});
@@ -319,7 +365,7 @@ void Connection::abort(CloseReason reason) {
   if (std::exchange(ending_, true)) return;
   reason_ = reason;
   room_.cancel();
-  plain_stream().close();
+  transport().next_layer().close();
 }
 
 /// What a failed read says of the end, unless the server itself ends it.
@@ -331,6 +377,8 @@ void Connection::end_by(const beast::error_code& error) {
     reason_ = CloseReason::silent;
   } else if (error == websocket::error::message_too_big) {
     reason_ = CloseReason::message_too_large;
+  } else if (error == websocket::error::bad_frame_payload) {
+    reason_ = CloseReason::not_utf8;
   } else {
     reason_ = CloseReason::client_lost;
   }

@@ -4,7 +4,7 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/websocket/stream.hpp>
@@ -20,6 +20,7 @@
 #include "server/access/edit_allowance.h"
 #include "server/network/http_server.h"
 #include "server/network/stop_gate.h"
+#include "server/network/transport.h"
 #include "server/protocol/stream_target.h"
 
 namespace rimlight::server {
@@ -35,14 +36,17 @@ class Connection final : public Client,
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
   /// `id` is in the log, with what happens to the connection.
-  Connection(boost::beast::tcp_stream stream, const NetworkSettings& settings, Access access,
-             std::int64_t id);
+  Connection(Transport stream, const NetworkSettings& settings, Access access, std::int64_t id);
 
   /// Completes the upgrade and serves until either side ends it. The client has joined `session`
   /// already, and leaves it here.
   boost::asio::awaitable<void> run(Request request, std::shared_ptr<DesignSession> session);
-  /// The plain stream again, to refuse the upgrade on.
-  boost::beast::tcp_stream& plain_stream() { return socket_.next_layer(); }
+  /// Completes the upgrade and sends every message back, for conformance suites: the same socket
+  /// with the same limits, but for messages of up to kLargestEcho.
+  boost::asio::awaitable<void> echo(Request request);
+  static constexpr std::size_t kLargestEcho = std::size_t{16} << 20;
+  /// The stream below again, to refuse the upgrade on.
+  Transport& transport() { return socket_.next_layer(); }
 
   void send_text(std::string text) override;
   void send_answer(std::string text) override;
@@ -54,6 +58,8 @@ class Connection final : public Client,
 
  private:
   void configure();
+  boost::asio::awaitable<bool> accept(const Request& request);
+  bool is_whole(const boost::beast::flat_buffer& buffer);
   boost::asio::awaitable<void> read_messages(DesignSession& session);
   boost::asio::awaitable<bool> wait_for_room();
   void receive(DesignSession& session, std::string_view text);
@@ -74,7 +80,7 @@ class Connection final : public Client,
   const NetworkSettings& settings_;
   const Access access_;
   const std::int64_t id_;
-  boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket_;
+  boost::beast::websocket::stream<Transport, false> socket_;
   boost::asio::steady_timer room_;    // cancelled when texts_ has room again
   boost::asio::steady_timer expiry_;  // of the token
   EditAllowance allowance_;

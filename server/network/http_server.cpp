@@ -1,5 +1,6 @@
 #include "server/network/http_server.h"
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
@@ -22,6 +23,10 @@
 #include "server/log/event_log.h"
 #include "server/network/http_session.h"
 #include "server/network/stop_gate.h"
+#include "server/network/tls_context.h"
+#include "server/network/transport.h"
+#include "server/network/upload_desk.h"
+#include "server/network/waiting_room.h"
 
 namespace rimlight::server {
 namespace {
@@ -37,6 +42,8 @@ constexpr std::chrono::milliseconds kPause{20};
 constexpr std::size_t kRefusals = 32;
 /// The same of one address.
 constexpr std::size_t kRefusalsPerAddress = 4;
+/// Of sockets that have not asked for anything: else a quarter of all.
+constexpr std::size_t kFewestWaiting = 8;
 /// Of one address when nothing else is set, beyond loopback.
 constexpr std::size_t kPerAddress = 16;
 
@@ -50,6 +57,10 @@ Tcp::endpoint permitted_endpoint(const NetworkSettings& settings) {
     throw Error(where, "an address that other machines reach, and no signing keys",
                 "a loopback address (127.0.0.1, ::1, localhost), or keys for access tokens: "
                 "rimlight token --new-key FILE, then serve --key FILE");
+  }
+  if (!address.is_loopback() && settings.selftest_echo) {
+    throw Error(where, "an address that other machines reach, and --selftest-echo",
+                "a loopback address: the echo is for conformance suites alone");
   }
   return {address, settings.port};
 }
@@ -90,10 +101,11 @@ HostPolicy host_policy(const Tcp::acceptor& acceptor, const NetworkSettings& set
 }
 
 /// With the port that it really has.
-std::string address_of(const Tcp::acceptor& acceptor) {
+std::string address_of(const Tcp::acceptor& acceptor, const NetworkSettings& settings) {
   const Tcp::endpoint endpoint = acceptor.local_endpoint();
   const std::string host = endpoint.address().to_string();
-  return "http://" + (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" +
+  return (settings.tls.empty() ? "http://" : "https://") +
+         (endpoint.address().is_v6() ? "[" + host + "]" : host) + ":" +
          std::to_string(endpoint.port());
 }
 
@@ -103,27 +115,38 @@ struct HttpServer::State {
   State(const NetworkSettings& settings_, const StaticFiles& files, SessionRegistry& sessions_)
       : settings(settings_),
         sessions(sessions_),
+        waiting(std::max(kFewestWaiting, settings_.most_connections / 4)),
+        uploads(settings_.decoder),
         context(settings_.threads),
         acceptor(listening(context, settings)),
-        address(address_of(acceptor)),
+        tls(settings.tls.empty() ? nullptr : server_tls(settings.tls)),
+        address(address_of(acceptor, settings)),
         hosts(host_policy(acceptor, settings)),
         most_of_address(most_per_address(acceptor, settings)),
         signals(acceptor.get_executor()),
+        reload(acceptor.get_executor()),
         timer(acceptor.get_executor()),
-        site{settings, hosts, files, sessions_, gate, stopping, disk, opening} {}
+        site{settings, hosts, files, sessions_, gate, stopping, disk, opening, uploads, waiting} {}
+
+  ~State() { uploads.close(); }  // its thread answers on the context
 
   const NetworkSettings settings;
   SessionRegistry& sessions;
   AddressLimit addresses;
-  StopGate gate;  // outlives the coroutines that the context destroys after a hard stop
   std::atomic<std::size_t> opening{0};
+  // These outlive the coroutines that the context destroys after a hard stop.
+  StopGate gate;
+  WaitingRoom waiting;
+  UploadDesk uploads;
   net::io_context context;
   // The acceptor and what follows, but the address, are its strand's.
   Tcp::acceptor acceptor;
+  std::shared_ptr<net::ssl::context> tls;  // null: in the clear; what runs keeps its own
   const std::string address;
   const HostPolicy hosts;
   const std::size_t most_of_address;
   net::signal_set signals;
+  net::signal_set reload;             // of the files of TLS
   net::steady_timer timer;            // of the housekeeping
   std::atomic<bool> stopping{false};  // no new sessions
   bool closing = false;               // no sockets any more
@@ -139,6 +162,7 @@ struct HttpServer::State {
   net::awaitable<void> close_hard();
   void begin_drain(std::chrono::milliseconds notice);
   void watch_signals();
+  void watch_reload();
   void stop();
 };
 
@@ -165,8 +189,9 @@ void HttpServer::State::take(Tcp::socket socket) {
   socket.set_option(Tcp::no_delay(true), failure);
   const auto executor = socket.get_executor();
   const std::string from = counted_address(peer.address().to_string());
-  auto session =
-      std::make_shared<HttpSession>(beast::tcp_stream(std::move(socket)), site, ++sockets);
+  beast::tcp_stream stream(std::move(socket));
+  auto session = std::make_shared<HttpSession>(
+      tls ? Transport(std::move(stream), *tls) : Transport(std::move(stream)), site, ++sockets);
   const std::size_t of_address = addresses.enter(from);
   if (of_address > most_of_address + kRefusalsPerAddress ||
       !gate.enter(session, settings.most_connections + kRefusals)) {
@@ -201,6 +226,10 @@ net::awaitable<void> HttpServer::State::keep_house() {
 void HttpServer::State::watch_signals() {
   signals.add(SIGINT);
   signals.add(SIGTERM);
+  if (tls) {
+    reload.add(SIGHUP);
+    watch_reload();
+  }
   signals.async_wait([this](beast::error_code error, int signal) {
     if (error) return;
     // Before the drain begins: it may end at once, and then cancels this.
@@ -233,13 +262,29 @@ net::awaitable<void> HttpServer::State::finish(std::chrono::milliseconds notice)
   stop();
 }
 
+/// What is wrong with new files is said, and changes nothing.
+void HttpServer::State::watch_reload() {
+  reload.async_wait([this](beast::error_code error, int) {
+    if (error) return;
+    try {
+      tls = server_tls(settings.tls);
+      log_event(Severity::info, "certificate_read", {{"file", settings.tls.certificate.string()}});
+    } catch (const Error& fault) {
+      log_event(Severity::error, "certificate_kept", {{"detail", fault.what()}});
+    }
+    watch_reload();
+  });
+}
+
 /// On the acceptor's strand. First politely, then, at the deadline, hard.
 void HttpServer::State::stop() {
   if (std::exchange(closing, true)) return;
   stopping = true;
   beast::error_code ignored;
   acceptor.close(ignored);
+  reload.cancel(ignored);
   timer.cancel();
+  uploads.stop();
   gate.close();
   net::co_spawn(acceptor.get_executor(), close_hard(), log_failure);
 }

@@ -11,7 +11,9 @@
 #include "server/access/signing_keys.h"
 #include "server/metrics/server_metrics.h"
 #include "server/network/static_files.h"
+#include "server/network/tls_context.h"
 #include "server/session/session_registry.h"
+#include "server/upload/decoded_environment.h"
 
 namespace rimlight::server {
 
@@ -33,28 +35,33 @@ struct NetworkSettings {
   std::optional<std::size_t> most_connections_per_address{};
   double messages_per_second = 1000;  // of one client: access/edit_allowance.h
   std::shared_ptr<ServerMetrics> metrics = unread_metrics();
+  DecoderSettings decoder{};   // of uploads
+  TlsFiles tls{};              // empty: in the clear
+  bool selftest_echo = false;  // /selftest/echo, for conformance suites; on loopback only
 };
 
 /// Throws what HttpServer would, but for an address that is taken: nothing is opened.
 void check_network(const NetworkSettings& settings);
 
 /// HTTP and WebSocket on one port: the page, /healthz, /readyz, /metrics, /api/scenes, /api/curves
-/// and /sessions/{name}/stream. Its threads read, write and hand over, and never compute.
+/// and /sessions/{name}/stream, /state and /environments. Its threads read, write and hand over,
+/// and never compute.
 class HttpServer {
  public:
   /// Binds and listens. Throws Error naming the address: beyond loopback without keys, or busy;
-  /// or the host name or origin that is none.
+  /// or the host name or origin that is none, or the file of TLS that cannot be used.
   /// `files` and `sessions` must outlive it.
   HttpServer(const NetworkSettings& settings, const StaticFiles& files, SessionRegistry& sessions);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
-  /// "http://127.0.0.1:8080", with the port that it really has.
+  /// "http://127.0.0.1:8080", or https, with the port that it really has.
   std::string address() const;
 
   /// Serves until stop(), or drains at SIGINT or SIGTERM when asked to watch them; at the second of
-  /// these it ends at once.
+  /// these it ends at once. SIGHUP, when watched, reads the files of TLS again; where they are
+  /// wrong the old ones stay.
   enum class Signals { watch, leave_alone };
   void run(Signals signals);
   /// Takes no new session and no edit, and says so at /readyz, while what was edited last is shown

@@ -5,7 +5,6 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/error.hpp>
-#include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -18,6 +17,9 @@
 #include "server/log/event_log.h"
 #include "server/network/disk_thread.h"
 #include "server/network/readiness.h"
+#include "server/network/request_checks.h"
+#include "server/network/responses.h"
+#include "server/protocol/upload_target.h"
 
 namespace rimlight::server {
 namespace {
@@ -28,33 +30,12 @@ namespace net = boost::asio;
 
 constexpr auto kAsTuple = net::as_tuple(net::use_awaitable);
 constexpr std::uint32_t kLargestHeader = 16 * 1024;
+constexpr std::chrono::seconds kGoodbye{2};  // for the end of TLS
+constexpr std::uint64_t kLargestEchoedBody = 64 * 1024;
+constexpr std::string_view kEchoPath = "/selftest/echo";
 
 using Request = HttpSession::Request;
 using Response = HttpSession::Response;
-
-/// Everything comes from here: no other origin is asked for anything.
-constexpr const char* kContentPolicy =
-    "default-src 'self'; img-src 'self' blob:; object-src 'none'; base-uri 'none'; "
-    "frame-ancestors 'none'; form-action 'none'";
-
-Response make_response(http::status status, unsigned version, bool keep_alive,
-                       const std::string& content_type, std::string body) {
-  Response response{status, version};
-  response.set(http::field::content_type, content_type);
-  response.set(http::field::cache_control, "no-cache");
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("Referrer-Policy", "no-referrer");
-  response.set("Content-Security-Policy", kContentPolicy);
-  response.keep_alive(keep_alive);
-  response.body() = std::move(body);
-  response.prepare_payload();
-  return response;
-}
-
-Response plain(const Request& request, http::status status, std::string_view text) {
-  return make_response(status, request.version(), request.keep_alive(), "text/plain; charset=utf-8",
-                       std::string(text) + "\n");
-}
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -65,11 +46,6 @@ Response serve_file(const Request& request, const StaticFiles::File& file) {
                     request.keep_alive(), file.content_type, known ? std::string() : file.bytes);
   response.set(http::field::etag, file.etag);
   return response;
-}
-
-Response json_body(const Request& request, http::status status, std::string body) {
-  return make_response(status, request.version(), request.keep_alive(), "application/json",
-                       std::move(body));
 }
 
 Response serve_curves(const Request& request, const SceneCatalog& scenes, std::string_view query) {
@@ -96,7 +72,7 @@ Refusal refusal_of(const Error& error) {
 
 }  // namespace
 
-HttpSession::HttpSession(beast::tcp_stream stream, const Site& site, std::int64_t id)
+HttpSession::HttpSession(Transport stream, const Site& site, std::int64_t id)
     : site_(site),
       id_(id),
       metrics_(site.settings.metrics),
@@ -107,13 +83,52 @@ HttpSession::HttpSession(beast::tcp_stream stream, const Site& site, std::int64_
 
 HttpSession::~HttpSession() { metrics_->socket_closed(); }
 
+/// The handshake of TLS and the first header have one deadline together.
 net::awaitable<void> HttpSession::run() {
+  stream_.next_layer().expires_after(site_.settings.handshake_timeout);
+  const bool speaks = co_await shake_hands();
+  if (!speaks) co_return;
+  co_await serve();
+  if (!connection_) co_await stream_.finish(kGoodbye);
+}
+
+net::awaitable<bool> HttpSession::shake_hands() {
+  const WaitingRoom::Seat seat(site_.waiting, shared_from_this());
+  waiting_ = true;
+  const bool speaks = co_await stream_.accept();
+  waiting_ = false;
+  co_return speaks;
+}
+
+net::awaitable<beast::error_code> HttpSession::read_header(HeaderParser& parser,
+                                                           beast::flat_buffer& buffer) {
+  const WaitingRoom::Seat seat(site_.waiting, shared_from_this());
+  waiting_ = true;
+  const auto [error, size] = co_await http::async_read_header(stream_, buffer, parser, kAsTuple);
+  waiting_ = false;
+  co_return error;
+}
+
+void HttpSession::make_way() {
+  net::post(strand_, [self = shared_from_this()] {
+    if (!self->waiting_ || self->connection_) return;
+    self->stopping_ = true;
+    self->count({beast::http::status::service_unavailable,
+                 {},
+                 RefusalReason::too_many_sockets,
+                 "made way while it had asked for nothing"});
+    self->stream_.next_layer().close();
+  });
+}
+
+net::awaitable<void> HttpSession::serve() {
   beast::flat_buffer buffer(kLargestHeader);
-  while (!stopping_) {
-    http::request_parser<http::empty_body> parser;
+  for (bool first = true; !stopping_; first = false) {
+    HeaderParser parser;
     parser.header_limit(kLargestHeader);
-    stream_.expires_after(site_.settings.handshake_timeout);
-    const auto [error, size] = co_await http::async_read_header(stream_, buffer, parser, kAsTuple);
+    parser.body_limit(boost::none);  // who takes a body looks at its length
+    if (!first) stream_.next_layer().expires_after(site_.settings.handshake_timeout);
+    const beast::error_code error = co_await read_header(parser, buffer);
     if (error) {
       if (is_malformed(error)) {
         Request malformed;
@@ -123,13 +138,22 @@ net::awaitable<void> HttpSession::run() {
       }
       break;
     }
-    const bool has_body = !parser.is_done();
-    Request request = parser.release();
-    if (const auto fault = request_fault(request, has_body, site_.hosts)) {
-      request.keep_alive(false);  // whatever follows is no request
-      co_await answer(stream_, refuse(request, *fault));
+    const Body body = body_of(parser);
+    if (const auto fault = request_fault(parser.get(), body, site_.hosts)) {
+      parser.get().keep_alive(false);  // whatever follows is no request
+      co_await answer(stream_, refuse(parser.get(), *fault));
       break;
     }
+    if (body == Body::upload) {
+      co_await take_upload(parser, buffer);
+      break;
+    }
+    if (body == Body::echoed) {
+      const bool more = co_await answer_body(parser, buffer);
+      if (!more) break;
+      continue;
+    }
+    Request request = parser.release();
     if (!refusing_ && beast::websocket::is_upgrade(request)) {
       co_await upgrade(std::move(request));
       co_return;
@@ -143,13 +167,42 @@ net::awaitable<void> HttpSession::run() {
     const bool keep_alive = co_await answer(stream_, std::move(response));
     if (!keep_alive) break;
   }
-  beast::error_code ignored;
-  stream_.socket().shutdown(net::ip::tcp::socket::shutdown_send, ignored);
+}
+
+Body HttpSession::body_of(const HeaderParser& parser) const {
+  if (parser.is_done()) return Body::none;
+  const Request& request = parser.get();
+  if (!refusing_ && request.method() == http::verb::post &&
+      is_upload_target(view(request.target()))) {
+    return Body::upload;
+  }
+  return site_.settings.selftest_echo ? Body::echoed : Body::unwanted;
+}
+
+/// Of a conformance suite: its body comes back. True when another request may follow.
+net::awaitable<bool> HttpSession::answer_body(HeaderParser& header, beast::flat_buffer& buffer) {
+  const std::uint64_t length = header.content_length().value_or(0);
+  http::request_parser<http::string_body> parser(std::move(header));
+  parser.body_limit(kLargestEchoedBody);  // of chunks
+  if (length > kLargestEchoedBody) co_return false;
+  const auto [error, size] = co_await http::async_read(stream_, buffer, parser, kAsTuple);
+  Request request(parser.get().base());
+  if (error) {
+    request.keep_alive(false);
+    if (is_malformed(error)) {
+      co_await answer(stream_, refuse(request, {http::status::bad_request, error.message(),
+                                                RefusalReason::malformed}));
+    }
+    co_return false;
+  }
+  co_return co_await answer(
+      stream_, make_response(http::status::ok, request.version(), parser.get().keep_alive(),
+                             "application/octet-stream", std::move(parser.get().body())));
 }
 
 /// True when another request may follow.
-net::awaitable<bool> HttpSession::answer(beast::tcp_stream& stream, Response response) {
-  stream.expires_after(site_.settings.handshake_timeout);
+net::awaitable<bool> HttpSession::answer(Transport& stream, Response response) {
+  stream.next_layer().expires_after(site_.settings.handshake_timeout);
   const auto [error, size] = co_await http::async_write(stream, response, kAsTuple);
   if (error) co_return false;
   co_return response.keep_alive();
@@ -166,6 +219,10 @@ net::awaitable<void> HttpSession::upgrade(Request request) {
   } else if (site_.stopping) {
     refusal = refuse(request, {http::status::service_unavailable,
                                "the server is stopping; try again later", RefusalReason::stopping});
+  } else if (site_.settings.selftest_echo && view(request.target()) == kEchoPath) {
+    connection_ = std::make_shared<Connection>(std::move(stream_), site_.settings, Access{}, id_);
+    co_await connection_->echo(std::move(request));
+    co_return;
   } else {
     try {
       target = parse_stream_target(view(request.target()));
@@ -207,7 +264,8 @@ net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& t
   if (session) {
     co_await connection_->run(std::move(request), std::move(session));
   } else {
-    co_await answer(connection_->plain_stream(), refuse(request, *refusal));
+    co_await answer(connection_->transport(), refuse(request, *refusal));
+    co_await connection_->transport().finish(kGoodbye);
   }
 }
 
@@ -290,12 +348,7 @@ Response HttpSession::respond_to(const Request& request, std::string_view path,
 /// session exists is a stranger's business; what a stranger sent is not in the log, since it may be
 /// a token in the wrong place.
 Response HttpSession::refuse(const Request& request, const Refusal& refusal) const {
-  metrics_->refused(refusal.why);
-  log_event(Severity::warning, "refused",
-            {{"connection", id_},
-             {"reason", to_string(refusal.why)},
-             {"status", static_cast<std::int64_t>(refusal.status)},
-             {"detail", refusal.detail}});
+  count(refusal);
   Response response = plain(request, refusal.status, refusal.reason);
   if (refusal.status == http::status::unauthorized) {
     response.set(http::field::www_authenticate, "Bearer");
@@ -303,6 +356,22 @@ Response HttpSession::refuse(const Request& request, const Refusal& refusal) con
     response.set(http::field::retry_after, "5");
   }
   return response;
+}
+
+/// The same, and says why in JSON.
+Response HttpSession::refuse(const Request& request, const Refusal& refusal,
+                             const Error& error) const {
+  count(refusal);
+  return json_body(request, refusal.status, write_error(error, std::nullopt));
+}
+
+void HttpSession::count(const Refusal& refusal) const {
+  metrics_->refused(refusal.why);
+  log_event(Severity::warning, "refused",
+            {{"connection", id_},
+             {"reason", to_string(refusal.why)},
+             {"status", static_cast<std::int64_t>(refusal.status)},
+             {"detail", refusal.detail}});
 }
 
 Response HttpSession::readiness(const Request& request) const {
@@ -319,7 +388,7 @@ void HttpSession::stop() {
     if (self->connection_) {
       self->connection_->stop();
     } else {
-      self->stream_.close();
+      self->stream_.next_layer().close();
     }
   });
 }

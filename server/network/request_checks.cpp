@@ -24,7 +24,7 @@ std::string bearer_token(const EmptyRequest& request) {
 
 }  // namespace
 
-std::optional<Refusal> request_fault(const EmptyRequest& request, bool has_body,
+std::optional<Refusal> request_fault(const EmptyRequest& request, Body body,
                                      const HostPolicy& hosts) {
   if (request.count(http::field::host) != 1) {
     return Refusal{http::status::bad_request, "exactly one Host header is needed",
@@ -34,8 +34,15 @@ std::optional<Refusal> request_fault(const EmptyRequest& request, bool has_body,
     return Refusal{http::status::misdirected_request, "this server has another name",
                    RefusalReason::host};
   }
-  if (has_body)
+  // Who does not know a coding cannot know where the request ends (RFC 9112, 6.1).
+  const auto coding = request.find(http::field::transfer_encoding);
+  if (coding != request.end() && !beast::iequals(coding->value(), "chunked")) {
+    return Refusal{http::status::bad_request, "an unknown transfer coding",
+                   RefusalReason::malformed};
+  }
+  if (body == Body::unwanted) {
     return Refusal{http::status::bad_request, "a body is not taken", RefusalReason::body};
+  }
   return std::nullopt;
 }
 

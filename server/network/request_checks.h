@@ -26,9 +26,13 @@ struct Refusal {
   std::string detail = {};  // for the log: what a stranger is not told
 };
 
+/// Whether a body follows a request's header, and what for.
+enum class Body { none, upload, echoed, unwanted };
+
 /// What is wrong with a request whatever it asks for, known from its header alone: no Host or more
-/// than one (400), one that is not this server's (421), or a body (400).
-std::optional<Refusal> request_fault(const EmptyRequest& request, bool has_body,
+/// than one (400), one that is not this server's (421), a transfer coding other than chunked (400),
+/// or a body that is unwanted (400).
+std::optional<Refusal> request_fault(const EmptyRequest& request, Body body,
                                      const HostPolicy& hosts);
 
 /// 403 for a WebSocket from a page of another origin. Other programs than browsers send none.

@@ -256,6 +256,10 @@ std::string write_export(const std::string& scene, const std::string& session,
          "\n";
 }
 
+std::string write_environments(const std::vector<std::string>& names) {
+  return dump({{"type", "environments"}, {"environments", names}});
+}
+
 std::string write_pong(std::string_view id) { return dump({{"type", "pong"}, {"id", id}}); }
 
 std::string write_error(const Error& error, const std::optional<std::string>& id) {

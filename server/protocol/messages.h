@@ -130,6 +130,8 @@ std::string write_state(const Revision& revision, const DesignState& state,
 /// What a file gets: {"format", "scene", "session", "revision", "state"}.
 std::string write_export(const std::string& scene, const std::string& session,
                          const Revision& revision, const DesignState& state);
+/// To all clients of the session, when one was uploaded: all that edits may name.
+std::string write_environments(const std::vector<std::string>& names);
 std::string write_pong(std::string_view id);
 /// An edge's answer to an Error; the connection goes on.
 std::string write_error(const Error& error, const std::optional<std::string>& id);

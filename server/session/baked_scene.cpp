@@ -30,6 +30,9 @@ class RendererSource final : public FrameSource {
                     const std::function<bool()>& abandon) override {
     return renderer_.render_exact(state, frame, report, abandon);
   }
+  void add_environment(const std::shared_ptr<const Environment>& environment) override {
+    renderer_.add_environment(environment);
+  }
   Unfinished improve(const std::function<bool()>& abandon) override {
     if constexpr (requires { renderer_.improve(abandon); }) {
       return renderer_.improve(abandon);

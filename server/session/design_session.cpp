@@ -31,13 +31,14 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
     : name_(std::move(name)),
       scene_(scene),
       materials_(known_materials(scene)),
+      environments_(scene.environments, kept.environments),
       settings_(settings),
       queue_(queue),
       version_(version_in(epoch, scene, kept)),
       revision_(version_.revision),
       users_(version_),
       viewers_(scene.width, scene.height),
-      maker_(scene, settings.jpeg_quality, queue, settings.metrics) {
+      maker_(scene, environments_, settings.jpeg_quality, queue, settings.metrics) {
   if (kept.store != nullptr) {
     waiting_.emplace(*kept.store, scene.name, name_,
                      kept.version ? kept.version->revision : Revision{});
@@ -75,9 +76,9 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
 
 Welcome DesignSession::welcome_for(const SessionUsers::Entered& entered,
                                    const Visitor& visitor) const {
-  Welcome welcome{name_,           scene_.name,         scene_.environments, scene_.width,
-                  scene_.height,   scene_.camera,       scene_.any_view,     scene_.materials,
-                  scene_.editable, materials_.measured, version_.state,      revision_};
+  Welcome welcome{name_,           scene_.name,         environments_.names(), scene_.width,
+                  scene_.height,   scene_.camera,       scene_.any_view,       scene_.materials,
+                  scene_.editable, materials_.measured, version_.state,        revision_};
   welcome.author = version_.author;
   welcome.you = {entered.user.author, visitor.role};
   welcome.resume = entered.resume;
@@ -98,6 +99,13 @@ void DesignSession::tell_presence(const Client* except) {
   }
 }
 
+void DesignSession::add_environment(const EnvironmentPtr& environment) {
+  const std::lock_guard lock(mutex_);
+  environments_.add(environment);
+  const std::string text = write_environments(environments_.names());
+  for (const Viewers::Viewer& viewer : viewers_) viewer.client->send_text(text);
+}
+
 void DesignSession::leave(const Client& client, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   viewers_.leave(client);
@@ -115,7 +123,7 @@ void DesignSession::apply(const Client& client, const Command& command, Clock::t
   const std::int64_t at_ms = milliseconds_since_1970();
   const SessionVersion& base = waiting_ ? waiting_->newest(version_) : version_;
   WaitingEdit edit{sender, id_of(command),
-                   next_version(base, command, users_.of(client), scene_.environments, at_ms)};
+                   next_version(base, command, users_.of(client), environments_.names(), at_ms)};
   if (!waiting_) {
     show(edit, now, now);
     return;

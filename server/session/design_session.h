@@ -14,6 +14,7 @@
 #include "server/session/client.h"
 #include "server/session/frame_maker.h"
 #include "server/session/scene_catalog.h"
+#include "server/session/session_environments.h"
 #include "server/session/session_users.h"
 #include "server/session/session_version.h"
 #include "server/session/viewers.h"
@@ -30,7 +31,8 @@ struct SessionSettings {
 /// Where edits of a session are kept, and what is there already.
 struct KeptSession {
   SessionStore* store = nullptr;  // must outlive the session; without one it lives in memory
-  std::optional<SessionVersion> version = {};  // none: the store has none
+  std::optional<SessionVersion> version = {};     // none: the store has none
+  std::vector<EnvironmentPtr> environments = {};  // that were uploaded to it
 };
 
 /// Shared state that clients edit, and the frames that show it. Edits apply in order, each a new
@@ -51,6 +53,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   const ServedScene& scene() const { return scene_; }
   /// What edits may name.
   const KnownMaterials& materials() const { return materials_; }
+  const SessionEnvironments& environments() const { return environments_; }
 
   /// Sends the welcome and, when there is one, the current exact frame; tells the others.
   void join(const std::shared_ptr<Client>& client, Clock::time_point now,
@@ -60,6 +63,8 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   /// with a store when it is durable; if it is refused, the client gets the error. Throws Error,
   /// and changes nothing, where next_version() and SessionStore::append() do.
   void apply(const Client& client, const Command& command, Clock::time_point now);
+  /// Edits may name it from now on; all clients are told. Throws Error as SessionEnvironments does.
+  void add_environment(const EnvironmentPtr& environment);
   [[nodiscard]] AckResult acknowledge(const Client& client, std::int64_t frame,
                                       Clock::time_point now);
   /// What the client can show, from now on.
@@ -108,6 +113,7 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   const std::string name_;
   const ServedScene& scene_;
   const KnownMaterials materials_;
+  SessionEnvironments environments_;
   const SessionSettings settings_;
   RenderQueue& queue_;
 

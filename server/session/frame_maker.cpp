@@ -4,8 +4,18 @@
 
 namespace rimlight::server {
 
-FrameMaker::Drawn FrameMaker::draw(const FrameTask& task, const std::function<bool()>& abandon) {
+/// An uploaded environment goes to the source when it is shown first.
+void FrameMaker::prepare(const DesignState& state) {
   if (!source_) source_ = scene_.make_source();
+  if (added_.contains(state.environment)) return;
+  if (const EnvironmentPtr uploaded = environments_.find_uploaded(state.environment)) {
+    source_->add_environment(uploaded);
+    added_.insert(state.environment);
+  }
+}
+
+FrameMaker::Drawn FrameMaker::draw(const FrameTask& task, const std::function<bool()>& abandon) {
+  prepare(task.state);
   FrameReport report;
   if (!task.exact) {
     source_->set_budget_share(queue_.overload().budget_share(queue_.now()));

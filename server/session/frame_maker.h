@@ -6,7 +6,10 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "core/image/codec.h"
 #include "core/image/picture_scaler.h"
@@ -16,6 +19,7 @@
 #include "server/metrics/server_metrics.h"
 #include "server/schedule/render_queue.h"
 #include "server/session/scene_catalog.h"
+#include "server/session/session_environments.h"
 
 namespace rimlight::server {
 
@@ -33,11 +37,15 @@ struct FrameTask {
 /// allocated after warm-up.
 class FrameMaker {
  public:
-  /// `jpeg_quality`: of the best rung of JPEG. `scene` and `queue`, which tells the time, must
-  /// outlive it.
-  FrameMaker(const ServedScene& scene, int jpeg_quality, const RenderQueue& queue,
-             std::shared_ptr<ServerMetrics> metrics = unread_metrics())
-      : scene_(scene), jpeg_quality_(jpeg_quality), queue_(queue), metrics_(std::move(metrics)) {}
+  /// `jpeg_quality`: of the best rung of JPEG. `scene`, `environments`, and `queue`, which tells
+  /// the time, must outlive it.
+  FrameMaker(const ServedScene& scene, const SessionEnvironments& environments, int jpeg_quality,
+             const RenderQueue& queue, std::shared_ptr<ServerMetrics> metrics = unread_metrics())
+      : scene_(scene),
+        environments_(environments),
+        jpeg_quality_(jpeg_quality),
+        queue_(queue),
+        metrics_(std::move(metrics)) {}
 
   struct Drawn {
     std::optional<DrawnPicture> picture;  // none: abandoned
@@ -54,12 +62,16 @@ class FrameMaker {
   const Rgb8Image& picture_by(int divisor);
   Payload compress(const EncodeOrder& order, FrameHeader& header);
 
+  void prepare(const DesignState& state);
+
   const ServedScene& scene_;
+  const SessionEnvironments& environments_;
   const int jpeg_quality_;
   const RenderQueue& queue_;
   const std::shared_ptr<ServerMetrics> metrics_;
   std::unique_ptr<FrameSource> source_;
-  FrameHeader header_;  // of the picture
+  FrameHeader header_;                        // of the picture
+  std::set<std::string, std::less<>> added_;  // uploaded environments that it has
   Rgb8Image image_;
   PictureScaler scaler_;
   struct Smaller {

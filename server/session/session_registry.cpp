@@ -9,32 +9,34 @@
 namespace rimlight::server {
 
 SessionRegistry::SessionRegistry(const SceneCatalog& scenes, RenderQueue& queue,
-                                 const RegistrySettings& settings, SessionStore* store)
-    : scenes_(scenes), queue_(queue), settings_(settings), store_(store) {}
+                                 const RegistrySettings& settings, SessionStore* store,
+                                 EnvironmentFolder* uploads)
+    : scenes_(scenes), queue_(queue), settings_(settings), store_(store), uploads_(uploads) {}
 
 SessionRegistry::~SessionRegistry() { close_all(); }
 
-std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
-                                                     const std::string& scene,
-                                                     const std::shared_ptr<Client>& client,
-                                                     Clock::time_point now,
-                                                     const Visitor& visitor) {
+const ServedScene& SessionRegistry::find_scene(const std::string& name, const std::string& scene) {
   const ServedScene* const served = scenes_.find(scene);
-  if (served == nullptr) {
-    if (store_ != nullptr && store_->load(scene, name)) {
-      throw Error("session " + quote(name), "a session of the scene " + quote(scene),
-                  "a scene that is served still: /api/scenes lists them");
-    }
-    throw Error("URL", "the scene " + quote(scene), "one that /api/scenes lists");
+  if (served != nullptr) return *served;
+  if (store_ != nullptr && store_->load(scene, name)) {
+    throw Error("session " + quote(name), "a session of the scene " + quote(scene),
+                "a scene that is served still: /api/scenes lists them");
   }
-  // The client joins under the lock, so that no session is dropped between being found and used.
-  const Key key{served->name, name};
+  throw Error("URL", "the scene " + quote(scene), "one that /api/scenes lists");
+}
+
+/// Finds or makes the session, and hands it to `use` under the lock, so that it is not dropped
+/// between being found and used. Null when all places are taken.
+std::shared_ptr<DesignSession> SessionRegistry::obtain(
+    const std::string& name, const ServedScene& served, Clock::time_point now,
+    const std::function<void(DesignSession&)>& use) {
+  const Key key{served.name, name};
   for (;;) {
     std::int64_t drops = 0;
     {
       const std::lock_guard lock(mutex_);
       if (const auto session = find(key)) {
-        session->join(client, now, visitor);
+        use(*session);
         return session;
       }
       if (queue_.overload().stage(now) >= Overload::Stage::no_new_sessions) return nullptr;
@@ -43,7 +45,7 @@ std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
       }
       drops = drops_;
     }
-    const KeptSession kept = load(*served, name);
+    const KeptSession kept = load(served, name);
     const std::lock_guard lock(mutex_);
     std::shared_ptr<DesignSession> session = find(key);
     if (!session) {
@@ -51,12 +53,40 @@ std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
       if (sessions_.size() >= settings_.most_sessions && !make_room()) return nullptr;
       const std::int64_t epoch = next_epoch(kept.version ? kept.version->revision.epoch : 0);
       session =
-          std::make_shared<DesignSession>(name, *served, epoch, settings_.session, queue_, kept);
+          std::make_shared<DesignSession>(name, served, epoch, settings_.session, queue_, kept);
       if (finishing_) session->finish();
       sessions_.emplace(key, session);
     }
-    session->join(client, now, visitor);
+    use(*session);
     return session;
+  }
+}
+
+std::shared_ptr<DesignSession> SessionRegistry::join(const std::string& name,
+                                                     const std::string& scene,
+                                                     const std::shared_ptr<Client>& client,
+                                                     Clock::time_point now,
+                                                     const Visitor& visitor) {
+  return obtain(name, find_scene(name, scene), now,
+                [&](DesignSession& session) { session.join(client, now, visitor); });
+}
+
+std::shared_ptr<DesignSession> SessionRegistry::open(const std::string& name,
+                                                     const std::string& scene) {
+  return obtain(name, find_scene(name, scene), queue_.now(), [](DesignSession&) {});
+}
+
+/// The session may have been dropped meanwhile, and opened again: what is open is told.
+void SessionRegistry::add_environment(DesignSession& session, const EnvironmentPtr& environment) {
+  session.environments().check_room(environment->name());
+  const std::string& scene = session.scene().name;
+  if (uploads_ != nullptr) uploads_->add(scene, session.name(), *environment);
+  const std::lock_guard lock(mutex_);
+  ++drops_;  // who has read the folder before reads it again
+  const auto opened = find({scene, session.name()});
+  DesignSession& current = opened ? *opened : session;
+  if (!current.environments().find_uploaded(environment->name())) {
+    current.add_environment(environment);
   }
 }
 
@@ -153,8 +183,12 @@ bool SessionRegistry::make_room() {
 KeptSession SessionRegistry::load(const ServedScene& scene, const std::string& name) {
   if (store_ == nullptr) return {};
   const std::optional<StoredSession> stored = store_->load(scene.name, name);
-  if (!stored) return {store_};
-  return {store_, read_version(*stored, scene.environments, "session " + quote(name))};
+  KeptSession kept{store_};
+  if (uploads_ != nullptr) kept.environments = uploads_->load(scene.name, name);
+  if (!stored) return kept;
+  const SessionEnvironments shown(scene.environments, kept.environments);
+  kept.version = read_version(*stored, shown.names(), "session " + quote(name));
+  return kept;
 }
 
 /// Microseconds since 1970, and always later than the last and than the stored one: unique over

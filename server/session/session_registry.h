@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -8,6 +9,7 @@
 #include <string>
 
 #include "server/session/design_session.h"
+#include "server/store/environment_folder.h"
 
 namespace rimlight::server {
 
@@ -22,9 +24,10 @@ struct RegistrySettings {
 /// forgotten here. Any thread.
 class SessionRegistry {
  public:
-  /// `scenes`, `queue` and `store` must outlive it.
+  /// `scenes`, `queue`, `store` and `uploads` (of environments; null: kept in memory) must outlive
+  /// it.
   SessionRegistry(const SceneCatalog& scenes, RenderQueue& queue, const RegistrySettings& settings,
-                  SessionStore* store = nullptr);
+                  SessionStore* store = nullptr, EnvironmentFolder* uploads = nullptr);
   ~SessionRegistry();
 
   const SceneCatalog& scenes() const { return scenes_; }
@@ -49,6 +52,12 @@ class SessionRegistry {
   /// The session's state, as write_export() has it, from the store when it is not open; nothing
   /// when there is no such session. Throws as join() does.
   std::optional<std::string> export_state(const std::string& name, const std::string& scene);
+  /// Finds or creates it as join() does, for what needs no client.
+  [[nodiscard]] std::shared_ptr<DesignSession> open(const std::string& name,
+                                                    const std::string& scene);
+  /// Keeps an uploaded environment, and shows it from now on. Throws Error as
+  /// EnvironmentFolder::add() and DesignSession::add_environment() do. Writes to the disk.
+  void add_environment(DesignSession& session, const EnvironmentPtr& environment);
   /// Forgets sessions that have been idle for too long.
   void drop_idle(Clock::time_point now);
   /// Sessions take no more edits, later ones too: DesignSession::finish().
@@ -67,6 +76,10 @@ class SessionRegistry {
 
   std::shared_ptr<DesignSession> find(const Key& key) const;
   std::map<Key, std::shared_ptr<DesignSession>>::iterator longest_idle();
+  const ServedScene& find_scene(const std::string& name, const std::string& scene);
+  std::shared_ptr<DesignSession> obtain(const std::string& name, const ServedScene& served,
+                                        Clock::time_point now,
+                                        const std::function<void(DesignSession&)>& use);
   bool make_room();
   KeptSession load(const ServedScene& scene, const std::string& name);
   std::int64_t next_epoch(std::int64_t stored);
@@ -75,6 +88,7 @@ class SessionRegistry {
   RenderQueue& queue_;
   const RegistrySettings settings_;
   SessionStore* const store_;
+  EnvironmentFolder* const uploads_;
   mutable std::mutex mutex_;
   std::map<Key, std::shared_ptr<DesignSession>> sessions_;
   std::int64_t last_epoch_ = 0;

@@ -80,7 +80,10 @@ TEST(ServeSchema, HasTheBoundsAndWordsOfTheReader) {
       }
       EXPECT_NE(fault_of(field, "another"), "no error") << field.name;
     }
+    const bool is_flag = property.at("type") == "boolean";
+    EXPECT_EQ(is_flag, field.form == ServeField::Form::flag) << field.name;
     for (const json& other : {json(nullptr), json(true), json::object(), json(-1e300)}) {
+      if (is_flag && other.is_boolean()) continue;
       EXPECT_NE(fault_of(field, other), "no error") << field.name << " " << other;
     }
   }
@@ -127,6 +130,21 @@ class ServeLayers : public testing::Test {
   }
   test::TemporaryFolder folder;
 };
+
+TEST_F(ServeLayers, FlagsAndFilesOfTlsComeFromTheEnvironmentToo) {
+  const LayeredConfig layers = layer_config({},
+                                            {{"RIMLIGHT_SELFTEST_ECHO", "true"},
+                                             {"RIMLIGHT_TLS_CERTIFICATE", "chain.pem"},
+                                             {"RIMLIGHT_TLS_KEY", "key.pem"}},
+                                            {{"tls_key", "other.pem"}});
+  EXPECT_TRUE(layers.config.network.selftest_echo);
+  EXPECT_EQ(layers.config.network.tls.certificate, "chain.pem");
+  EXPECT_EQ(layers.config.network.tls.key, "other.pem");
+  const std::string fault = error_of([] {
+    (void)layer_config({}, {{"RIMLIGHT_SELFTEST_ECHO", "yes"}}, {});
+  });
+  EXPECT_NE(fault.find("RIMLIGHT_SELFTEST_ECHO"), std::string::npos) << fault;
+}
 
 TEST_F(ServeLayers, OptionsOverEnvironmentOverFileOverDefaults) {
   const LayeredConfig layers =

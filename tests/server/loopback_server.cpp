@@ -34,7 +34,10 @@ LoopbackServer::LoopbackServer(const Settings& settings)
       files_(with_page(web_.path())),
       queue_(Clock::now, settings.overload),
       store_(store_of(settings)),
-      sessions_(scenes_, queue_, settings.sessions, store_.get()),
+      uploads_(settings.uploads.empty()
+                   ? nullptr
+                   : std::make_unique<EnvironmentFolder>(settings.uploads, 64 << 20)),
+      sessions_(scenes_, queue_, settings.sessions, store_.get(), uploads_.get()),
       http_(settings.network, files_, sessions_),
       compute_([this](const std::stop_token& stop) { queue_.run(stop); }),
       network_([this] { http_.run(HttpServer::Signals::leave_alone); }) {}

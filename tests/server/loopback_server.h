@@ -23,8 +23,9 @@ class LoopbackServer {
     NetworkSettings network{.port = 0};
     RegistrySettings sessions;
     Overload::Settings overload;
-    std::filesystem::path store;  // of sessions; without one they live in memory
-    std::string store_vfs;        // SqliteStoreSettings::vfs
+    std::filesystem::path store;    // of sessions; without one they live in memory
+    std::string store_vfs;          // SqliteStoreSettings::vfs
+    std::filesystem::path uploads;  // of environments; without it they live in memory
   };
   explicit LoopbackServer(const Settings& settings);
   LoopbackServer() : LoopbackServer(Settings{}) {}
@@ -43,6 +44,7 @@ class LoopbackServer {
   StaticFiles files_;
   RenderQueue queue_;
   std::unique_ptr<SessionStore> store_;
+  std::unique_ptr<EnvironmentFolder> uploads_;
   SessionRegistry sessions_;
   HttpServer http_;
   std::jthread compute_;

@@ -14,6 +14,7 @@ struct SphereProbe {
   std::atomic<int> moving_frames{0};
   std::atomic<int> exact_frames{0};
   std::atomic<int> abandoned{0};
+  std::atomic<int> added_environments{0};
   std::function<void(int row)> on_row;  // called before each row of an exact frame
   std::atomic<double> budget_share{0};  // as it was last told
   std::atomic<bool> broken{false};      // every render throws Error
@@ -35,6 +36,9 @@ class SphereSource final : public FrameSource {
   bool render_exact(const DesignState& state, Rgb8Image& frame, FrameReport& report,
                     const std::function<bool()>& abandon) override;
   Unfinished improve(const std::function<bool()>& abandon) override;
+  void add_environment(const std::shared_ptr<const Environment>&) override {
+    ++probe_->added_environments;
+  }
 
  private:
   void draw_row(const DesignState& state, int y, std::uint8_t mask, Rgb8Image& frame) const;

@@ -6,6 +6,7 @@ import { Display } from './display.js';
 import { Edits } from './edits.js';
 import { FrameDecoder } from './frame_decoder.js';
 import { Gestures } from './gestures.js';
+import { EnvironmentUpload } from './environment_upload.js';
 import { Materials } from './materials.js';
 import { Measurements } from './measurements.js';
 import { Orbit } from './orbit.js';
@@ -60,6 +61,11 @@ const tools = new SessionTools({
 });
 const controls = new Controls(change);
 const materials = new Materials(change);
+const uploads = new EnvironmentUpload({
+  headers: authorization(token),
+  onReady: (name) => change({ environment: name }),
+  onError: (text) => toasts.say(text),
+});
 const curves = new CurveEditor({ headers: authorization(token), onChange: change, onDrop: () => adopt(), onError: (text) => toasts.say(text) });
 
 function onGrab(grabbed) {
@@ -148,9 +154,14 @@ const handlers = {
     materials.setMaterials(message.materials);
     curves.setScene(message.scene, message.editable, message.measured);
     controls.setEnvironments(message.environments);
+    uploads.setPlace(message.session, message.scene);
     element('scene').textContent = message.scene;
     element('session').textContent = message.session === 'default' ? '' : message.session;
     document.title = `${message.scene} – Rimlight`;
+    adopt();
+  },
+  environments(message) {
+    controls.setEnvironments(message.environments);
     adopt();
   },
   ack(message) {
