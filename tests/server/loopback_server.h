@@ -21,10 +21,10 @@ class LoopbackServer {
     int width = 64;
     int height = 48;
     NetworkSettings network{.port = 0};
-    RegistrySettings sessions;
-    Overload::Settings overload;
-    std::filesystem::path store;  // of sessions; without one they live in memory
-    std::string store_vfs;        // SqliteStoreSettings::vfs
+    RegistrySettings sessions = {};
+    Overload::Settings overload = {};
+    std::filesystem::path store = {};  // of sessions; without one they live in memory
+    std::string store_vfs = {};        // SqliteStoreSettings::vfs
   };
   explicit LoopbackServer(const Settings& settings);
   LoopbackServer() : LoopbackServer(Settings{}) {}
