@@ -83,23 +83,11 @@ void LadderClimber::record(std::size_t rung, double queue_ms, Clock::time_point 
   }
 }
 
-void PartSize::expect(double ms_per_byte) {
-  if (is_measured_ || !(ms_per_byte > 0)) return;
+std::size_t part_bytes(double ms_per_byte) {
+  if (!(ms_per_byte > 0)) return kUnknownPart;
   const double fitting = LadderClimber::kMostQueueMs / ms_per_byte;
-  bytes_ = static_cast<std::size_t>(
-      std::clamp(fitting, static_cast<double>(kSmallest), static_cast<double>(kLargest)));
-}
-
-void PartSize::record(std::size_t bytes, double queue_ms) {
-  is_measured_ = true;
-  if (bytes < bytes_) return;  // the last of a frame says nothing of a whole one
-  constexpr double kWanted = LadderClimber::kMostQueueMs;
-  if (queue_ms > kWanted) {
-    const double fitting = static_cast<double>(bytes) * kWanted / queue_ms;
-    bytes_ = std::max(kSmallest, static_cast<std::size_t>(fitting));
-  } else if (queue_ms < kWanted / 2) {
-    bytes_ = std::min(kLargest, 2 * bytes_);
-  }
+  return static_cast<std::size_t>(
+      std::clamp(fitting, static_cast<double>(kSmallestPart), static_cast<double>(kLargestPart)));
 }
 
 }  // namespace rimlight::server

@@ -75,21 +75,11 @@ class LadderClimber {
   std::chrono::milliseconds patience_{2000};
 };
 
-/// How large the parts are in which a client gets a lossless frame: each takes about as long as a
-/// queue delay may be, so that an edit's frame never waits longer behind one.
-class PartSize {
- public:
-  static constexpr std::size_t kSmallest = 8 * 1024, kLargest = 4 * 1024 * 1024;
-
-  std::size_t bytes() const { return bytes_; }
-  /// Before the first part: what DelayMeter knows of the link, if anything.
-  void expect(double ms_per_byte);
-  /// A part of `bytes` had this queue delay.
-  void record(std::size_t bytes, double queue_ms);
-
- private:
-  std::size_t bytes_ = 64 * 1024;
-  bool is_measured_ = false;
-};
+/// How large the parts are in which a client gets a lossless frame, by what DelayMeter knows of its
+/// link: each takes about as long as a queue delay may be, so that an edit's frame never waits
+/// longer behind one. Of a link that nothing is known of (0), kUnknownPart.
+inline constexpr std::size_t kSmallestPart = 8 * 1024, kUnknownPart = 64 * 1024,
+                             kLargestPart = 4 * 1024 * 1024;
+std::size_t part_bytes(double ms_per_byte);
 
 }  // namespace rimlight::server

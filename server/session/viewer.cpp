@@ -64,15 +64,15 @@ bool Viewer::accepts(const EncodedFrame& frame, bool has_stream) const {
 void Viewer::send(const EncodedPtr& frame, Clock::time_point now) {
   RIMLIGHT_CHECK(!in_flight_);
   shown_ = frame->header.frame;
-  part_size_.expect(meter_.ms_per_byte());
   if (frame->order.stream) frame->order.stream->keep(kept_);
   send_part(frame, 0, now);
 }
 
 void Viewer::send_part(const EncodedPtr& frame, std::size_t offset, Clock::time_point now) {
   const std::size_t size = frame->payload->size();
-  const bool is_split = display_.parts && !frame->order.rung && size > part_size_.bytes();
-  const std::size_t bytes = is_split ? std::min(part_size_.bytes(), size - offset) : size - offset;
+  const bool may_split = display_.parts && !frame->order.rung;
+  const std::size_t most = may_split ? part_bytes(meter_.ms_per_byte()) : size;
+  const std::size_t bytes = std::min(most, size - offset);
   FrameHeader header = frame->header;
   header.wait_ms = std::max(0.0, milliseconds(now - frame->made));
   if (bytes < size) header.part = {offset, size};
@@ -85,9 +85,8 @@ void Viewer::measure(const InFlight& acknowledged, Clock::time_point now) {
   const double queue_ms =
       meter_.record(acknowledged.bytes, milliseconds(now - acknowledged.sent), now);
   const EncodeOrder& order = acknowledged.frame->order;
-  if (!order.rung) {
-    if (display_.parts) part_size_.record(acknowledged.bytes, queue_ms);
-  } else if (!order.stream || !order.stream->links.is_key()) {
+  if (!order.rung) return;
+  if (!order.stream || !order.stream->links.is_key()) {
     // A key frame is larger than those that the rung is judged by.
     const std::size_t rung = climber_.rung();
     climber_.record(*order.rung, queue_ms, now);

@@ -68,7 +68,6 @@ class Viewer {
   Display display_;
   LadderClimber climber_;
   DelayMeter meter_;
-  PartSize part_size_;
   std::optional<InFlight> in_flight_;
   EncodedPtr owed_;
   KeptPictures kept_;        // by its decoder, after what is in flight

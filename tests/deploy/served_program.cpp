@@ -46,7 +46,7 @@ std::string ServedProgram::get(const std::string& target, const std::string& hea
 
 std::string ask(std::uint16_t port, const std::string& request, Answer wanted) {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
-  const timeval timeout{2, 0};
+  const timeval timeout{10, 0};  // HAProxy tries a server that is away for 3 s
   ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
   const sockaddr_in address = loopback(port);
   std::string response;

@@ -29,7 +29,7 @@ class ServedProgram {
 
 /// How much of an answer is wanted.
 enum class Answer { whole, header };
-/// A request to 127.0.0.1 and what comes back until the peer closes, or in part after two seconds;
+/// A request to 127.0.0.1 and what comes back until the peer closes, or in part after ten seconds;
 /// empty when nobody listens.
 std::string ask(std::uint16_t port, const std::string& request, Answer wanted = Answer::whole);
 

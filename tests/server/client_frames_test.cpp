@@ -159,8 +159,8 @@ TEST_F(LargeFramesTest, AClientOnANarrowLinkChangesNoFrameOfAnother) {
 TEST_F(ClientFramesTest, ClientsFarAwayShareAStreamWithThoseNear) {
   if (!has_vp8()) GTEST_SKIP() << "a build without VP8";
   std::deque<Watcher> watchers{watch({.vp8 = true}, link(2, 1e6)),
-                                watch({.vp8 = true}, link(150, 1e6)),
-                                watch({.vp8 = true}, link(61, 1e6))};
+                               watch({.vp8 = true}, link(150, 1e6)),
+                               watch({.vp8 = true}, link(61, 1e6))};
   move(watchers, milliseconds(5000));
   for (const Watcher& watcher : watchers) {
     Vp8Decoder decoder;
@@ -261,6 +261,7 @@ TEST_F(LargeFramesTest, ALosslessFrameInPartsIsThePictureAndAnEditEndsIt) {
   const auto whole = join_with({});
   const auto client = join();
   session->set_display(*client, {.parts = true}, now);
+  now += milliseconds(500);
   acknowledge(*client);  // it had the first frame whole: it said so too late
   edit(*client, 10);
   work();

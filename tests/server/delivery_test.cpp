@@ -211,44 +211,19 @@ TEST(Ladder, AnotherRangeKeepsTheHeightOrBeginsAtTheTop) {
   EXPECT_EQ(climber.rung(), 3u);
 }
 
-TEST(PartSize, APartTakesAboutTheBoundOnAnyLink) {
-  for (const double bandwidth : {250.0, 1000.0, 20'000.0, 1e6}) {
-    Link link{bandwidth, 30};
-    DelayMeter meter;
-    PartSize size;
-    Clock::time_point now{std::chrono::hours(1)};
-    meter.record(1000, link.delay_ms(1000), now);
-    double queue = 0;
-    for (int i = 0; i < 30; ++i) {
-      const double delay = link.delay_ms(static_cast<double>(size.bytes()));
-      now += from_ms(delay);
-      const std::size_t bytes = size.bytes();
-      queue = meter.record(bytes, delay, now);
-      size.record(bytes, queue);
-    }
-    EXPECT_LE(queue, 1.05 * LadderClimber::kMostQueueMs) << bandwidth;
-    EXPECT_TRUE(queue >= LadderClimber::kMostQueueMs / 3 || size.bytes() == PartSize::kLargest)
-        << bandwidth << ": " << queue << " ms";
-    size.record(1, 1e9);  // the small end of a frame
-    EXPECT_GE(size.bytes(), PartSize::kSmallest);
+TEST(PartBytes, APartTakesAboutTheBoundOnAnyLinkThatSomethingIsKnownOf) {
+  for (const double bandwidth : {250.0, 1000.0, 20'000.0}) {
+    Simulation run{{bandwidth, 30}};
+    EXPECT_EQ(part_bytes(run.meter.ms_per_byte()), kUnknownPart);
+    run.rest();
+    run.move(1);
+    const std::size_t bytes = part_bytes(run.meter.ms_per_byte());
+    const double part_ms = static_cast<double>(bytes) / bandwidth;
+    EXPECT_LE(part_ms, 1.3 * LadderClimber::kMostQueueMs) << bandwidth;
+    EXPECT_GE(part_ms, LadderClimber::kMostQueueMs / 2) << bandwidth;
   }
-}
-
-TEST(PartSize, TheFirstFollowsFromWhatIsKnownOfTheLink) {
-  PartSize size;
-  size.expect(0);  // nothing
-  const std::size_t unknown = size.bytes();
-  size.expect(1.0 / 250);
-  EXPECT_EQ(size.bytes(), 12'500u);
-  size.expect(1e-9);
-  EXPECT_EQ(size.bytes(), PartSize::kLargest);
-  size.expect(1e9);
-  EXPECT_EQ(size.bytes(), PartSize::kSmallest);
-  EXPECT_GT(unknown, PartSize::kSmallest);
-  size.record(PartSize::kSmallest, 1);
-  const std::size_t measured = size.bytes();
-  size.expect(1.0 / 250);
-  EXPECT_EQ(size.bytes(), measured);
+  EXPECT_EQ(part_bytes(1e9), kSmallestPart);
+  EXPECT_EQ(part_bytes(1e-9), kLargestPart);
 }
 
 }  // namespace

@@ -21,11 +21,11 @@ class LoopbackServer {
     int width = 64;
     int height = 48;
     NetworkSettings network{.port = 0};
-    RegistrySettings sessions;
-    Overload::Settings overload;
-    std::filesystem::path store;    // of sessions; without one they live in memory
-    std::string store_vfs;          // SqliteStoreSettings::vfs
-    std::filesystem::path uploads;  // of environments; without it they live in memory
+    RegistrySettings sessions = {};
+    Overload::Settings overload = {};
+    std::filesystem::path store = {};    // of sessions; without one they live in memory
+    std::string store_vfs = {};          // SqliteStoreSettings::vfs
+    std::filesystem::path uploads = {};  // of environments; without it they live in memory
   };
   explicit LoopbackServer(const Settings& settings);
   LoopbackServer() : LoopbackServer(Settings{}) {}

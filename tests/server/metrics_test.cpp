@@ -166,7 +166,7 @@ TEST_F(SessionMetrics, TheTimesOfFramesAreThoseOfTheirHeaders) {
   double queue_ms = 0, render_ms = 0, encode_ms = 0;
   int moving = 0;
   for (const FramePtr& frame : client->frames) {
-    const FrameHeader header = parse_frame_message(frame->bytes, "frame").header;
+    const FrameHeader header = parse_frame_message(frame->bytes(), "frame").header;
     if (header.exact) continue;
     ++moving;
     queue_ms += header.queue_ms;
