@@ -4,6 +4,7 @@
 #include <boost/beast/http/field.hpp>
 
 #include "core/base/error.h"
+#include "server/store/session_store.h"
 
 namespace rimlight::server {
 namespace {
@@ -23,6 +24,13 @@ std::string bearer_token(const EmptyRequest& request) {
 }
 
 }  // namespace
+
+Refusal refusal_of(const Error& error) {
+  if (dynamic_cast<const StoreError*>(&error) != nullptr) {
+    return {http::status::service_unavailable, error.what(), RefusalReason::store, error.what()};
+  }
+  return {http::status::not_found, error.what(), RefusalReason::not_found, error.what()};
+}
 
 std::optional<Refusal> request_fault(const EmptyRequest& request, Body body,
                                      const HostPolicy& hosts) {

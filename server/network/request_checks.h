@@ -10,6 +10,7 @@
 #include <string_view>
 #include <variant>
 
+#include "core/base/error.h"
 #include "server/access/access_token.h"
 #include "server/access/host_policy.h"
 #include "server/metrics/outcomes.h"
@@ -25,6 +26,9 @@ struct Refusal {
   RefusalReason why;
   std::string detail = {};  // for the log: what a stranger is not told
 };
+
+/// Why a session cannot be opened or read.
+Refusal refusal_of(const Error& error);
 
 /// Whether a body follows a request's header, and what for.
 enum class Body { none, upload, echoed, unwanted };
