@@ -83,6 +83,19 @@ std::string connection_of(const std::string& line) {
   return line.substr(at, line.find(',', at) - at);
 }
 
+/// Whether the client is told that nobody else is there.
+bool sees_it_alone(StreamClient& client) {
+  const auto end = Clock::now() + seconds(10);
+  while (Clock::now() < end) {
+    const auto received = client.receive(end);
+    const auto* const text = std::get_if<StreamClient::Text>(&received);
+    if (text == nullptr) continue;
+    const json message = json::parse(text->text);
+    if (message["type"] == "presence" && message["present"].size() == 1) return true;
+  }
+  return false;
+}
+
 TEST(ServerLog, FollowsAConnectionByItsNumberAndSaysOnceWhyItEnded) {
   const KeptLog log;
   {
@@ -90,6 +103,7 @@ TEST(ServerLog, FollowsAConnectionByItsNumberAndSaysOnceWhyItEnded) {
     const auto first = server.open("lobby");
     const auto second = server.open("lobby");
     first->close();
+    ASSERT_TRUE(sees_it_alone(*second));
     (void)server.stop();
   }
   const auto opened = log.lines("connection opened"), closed = log.lines("connection closed");

@@ -34,8 +34,13 @@ std::vector<LoadRecord> play_together(const LoopbackServer& server, LoadCodec co
   std::vector<std::jthread> threads;
   for (std::size_t i = 0; i < records.size(); ++i) {
     threads.emplace_back([&, i] {
-      const LoadClientSettings settings{url,      session, "sphere", start,
-                                        kSeconds, 10,      codec,    i == 0 ? 0 : watchers[i - 1]};
+      const LoadClientSettings settings{.url = url,
+                                        .session = session,
+                                        .scene = "sphere",
+                                        .start = start,
+                                        .seconds = kSeconds,
+                                        .codec = codec,
+                                        .slow_kBps = i == 0 ? 0 : watchers[i - 1]};
       records[i] = play(settings, i == 0 ? default_script(kSeconds) : LoadScript{});
     });
   }
