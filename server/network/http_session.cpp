@@ -163,14 +163,17 @@ net::awaitable<bool> HttpSession::answer_body(HeaderParser& header, beast::flat_
   if (error) {
     request.keep_alive(false);
     if (is_malformed(error)) {
-      co_await answer(stream_, refuse(request, {http::status::bad_request, error.message(),
-                                                RefusalReason::malformed}));
+      // Named: GCC 12 destroys a braced temporary twice when it is part of a co_await.
+      const Refusal refusal{http::status::bad_request, error.message(), RefusalReason::malformed};
+      co_await answer(stream_, refuse(request, refusal));
     }
     co_return false;
   }
-  co_return co_await answer(
-      stream_, make_response(http::status::ok, request.version(), parser.get().keep_alive(),
-                             "application/octet-stream", std::move(parser.get().body())));
+  Response response =
+      make_response(http::status::ok, request.version(), parser.get().keep_alive(),
+                    "application/octet-stream", std::move(parser.get().body()));
+  const bool keep_alive = co_await answer(stream_, std::move(response));
+  co_return keep_alive;
 }
 
 /// True when another request may follow.
