@@ -57,6 +57,11 @@ class Connection final : public Client,
   void stop() override;
 
  private:
+  /// Text replies that may wait; at this bound reading pauses.
+  static constexpr std::size_t kMostTexts = 64;
+  /// What a session itself may add to a client that does not read, before it is closed.
+  static constexpr std::size_t kTooManyTexts = 4 * kMostTexts;
+
   void configure();
   boost::asio::awaitable<bool> accept(const Request& request);
   bool is_whole(const boost::beast::flat_buffer& buffer);

@@ -52,7 +52,8 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
   const std::lock_guard lock(mutex_);
   const SessionUsers::Entered entered = users_.enter(*client, visitor);
   idle_since_.reset();
-  viewers_.join(client);
+  using Part = Viewers::Part;
+  viewers_.join(client, visitor.role < Role::editor ? Part::watches : Part::edits);
   client->send_text(write_welcome(welcome_for(entered, visitor)));
   tell_presence(client.get());
   if (exact_revision_ == revision_.number) {

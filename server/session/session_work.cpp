@@ -20,6 +20,7 @@ double milliseconds(Clock::duration duration) {
 
 void DesignSession::reschedule(Clock::time_point now) {
   const bool is_shown = exact_revision_ == revision_.number;
+  viewers_.set_editors_first(queue_.overload().stage(now) >= Overload::Stage::editors_first);
   wants_again_ = viewers_.any_lacking();
   if (closed_.load() || !viewers_.any_visible() ||
       (is_shown && unfinished_ == Unfinished::nothing && !wants_again_)) {

@@ -27,6 +27,7 @@ class Viewer {
 
   std::shared_ptr<Client> client;
   std::int64_t number = 0;  // of those that have joined, from 1
+  bool only_watches = false;
 
   void set_display(const Display& display);
   bool is_hidden() const { return display_.hidden; }

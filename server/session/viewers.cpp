@@ -5,8 +5,9 @@
 
 namespace rimlight::server {
 
-void Viewers::join(const std::shared_ptr<Client>& client) {
+void Viewers::join(const std::shared_ptr<Client>& client, Part part) {
   viewers_.emplace_back(client, ++joined_, width_, height_);
+  viewers_.back().only_watches = part == Part::watches;
 }
 
 void Viewers::leave(const Client& client) {
@@ -37,8 +38,13 @@ bool Viewers::any_visible() const {
 }
 
 bool Viewers::any_ready() const {
-  return std::any_of(viewers_.begin(), viewers_.end(),
-                     [](const Viewer& viewer) { return viewer.is_ready(); });
+  return std::any_of(viewers_.begin(), viewers_.end(), [&](const Viewer& viewer) {
+    return viewer.is_ready() && may_take(viewer, false);
+  });
+}
+
+bool Viewers::may_take(const Viewer& viewer, bool is_exact) const {
+  return is_exact || !editors_first_ || !viewer.only_watches;
 }
 
 bool Viewers::all_shown() const {
@@ -48,7 +54,8 @@ bool Viewers::all_shown() const {
 }
 
 bool Viewers::is_lacking(const Viewer& viewer) const {
-  return newest_ && viewer.is_ready() && viewer.lacks(newest_->frame) && !find_newest(viewer);
+  return newest_ && viewer.is_ready() && may_take(viewer, newest_->is_exact) &&
+         viewer.lacks(newest_->frame) && !find_newest(viewer);
 }
 
 bool Viewers::any_lacking() const {
@@ -76,6 +83,7 @@ void Viewers::offer_newest(const Client& client, Clock::time_point now) {
 
 void Viewers::offer_newest(Viewer& viewer, Clock::time_point now) {
   if (!newest_ || !viewer.is_ready() || !viewer.lacks(newest_->frame)) return;
+  if (!may_take(viewer, newest_->is_exact)) return;
   if (const EncodedPtr frame = find_newest(viewer)) viewer.send(frame, now);
 }
 
@@ -131,7 +139,7 @@ void Viewers::offer(const EncodedPtr& frame, Clock::time_point now) {
   const bool must_reach_all =
       order.stream && (order.stream->links.is_key() || order.stream->links.to_golden);
   for (Viewer& viewer : viewers_) {
-    if (!viewer.lacks(newest_->frame)) continue;
+    if (!viewer.lacks(newest_->frame) || !may_take(viewer, newest_->is_exact)) continue;
     if (viewer.is_ready()) {
       offer_newest(viewer, now);
     } else if (must_reach_all && viewer.is_member(*order.rung, now)) {

@@ -28,7 +28,9 @@ class Viewers {
   auto begin() const { return viewers_.begin(); }
   auto end() const { return viewers_.end(); }
 
-  void join(const std::shared_ptr<Client>& client);
+  /// Who may only watch comes second under overload.
+  enum class Part { edits, watches };
+  void join(const std::shared_ptr<Client>& client, Part part = Part::edits);
   void leave(const Client& client);
   /// Nothing when it has left.
   const Viewer* find(const Client& client) const;
@@ -37,9 +39,12 @@ class Viewers {
   /// The newest revision is this: what shows an older one is not worth going on with.
   void expect(const Revision& revision) { expected_ = revision; }
 
+  /// Whether those who may only watch get exact pictures alone.
+  void set_editors_first(bool first) { editors_first_ = first; }
+
   /// Whether somebody looks at all.
   bool any_visible() const;
-  /// Whether one could be sent a frame at once.
+  /// Whether one could be sent a frame in motion at once.
   bool any_ready() const;
   /// Whether all who look have the newest picture, whole and acknowledged.
   bool all_shown() const;
@@ -66,6 +71,7 @@ class Viewers {
   Viewer* find_viewer(const Client& client);
   bool has_stream(const Viewer& viewer) const;
   EncodedPtr find_newest(const Viewer& viewer) const;
+  bool may_take(const Viewer& viewer, bool is_exact) const;
   bool is_lacking(const Viewer& viewer) const;
   void offer_newest(Viewer& viewer, Clock::time_point now);
   std::vector<EncodeOrder> plan(SharedStream::Kind kind, Clock::time_point now) const;
@@ -76,6 +82,7 @@ class Viewers {
   std::vector<Viewer> viewers_;
   std::int64_t joined_ = 0;  // so far
   Revision expected_;
+  bool editors_first_ = false;
   std::optional<DrawnPicture> newest_;
   std::vector<EncodedPtr> encoded_;  // of the newest
   std::array<SharedStream, kVp8Rungs> streams_;

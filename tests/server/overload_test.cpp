@@ -157,6 +157,44 @@ TEST_F(DesignSessionTest, FramesInMotionGetTheShareOfTheirBudget) {
   EXPECT_LT(probe->budget_share, 1);
 }
 
+TEST(EditorsFirst, WhoMayOnlyWatchGetsExactFramesAlone) {
+  Clock::time_point now = kStart;
+  RenderQueue queue([&] { return now; }, {.shedding = milliseconds(0)});
+  const ServedScene scene = test::sphere_scene("sphere", 32, 24);
+  const auto session = std::make_shared<DesignSession>("s", scene, 5, SessionSettings{}, queue);
+  const auto editor = std::make_shared<test::KeepingClient>();
+  const auto watcher = std::make_shared<test::KeepingClient>();
+  session->join(editor, now, {.role = Role::editor});
+  session->join(watcher, now, {.role = Role::viewer});
+  const auto work = [&] {
+    while (queue.run_one(now)) {
+    }
+  };
+  const auto acknowledge = [&](const test::KeepingClient& client) {
+    EXPECT_EQ(session->acknowledge(client, client.frames.back()->frame, now), AckResult::taken);
+  };
+  work();
+  ASSERT_EQ(queue.overload().stage(now), Stage::editors_first);
+  acknowledge(*editor);
+  acknowledge(*watcher);
+  for (int i = 1; i <= 3; ++i) {
+    Edit edit;
+    edit.id = std::to_string(i);
+    edit.exposure_stops = 0.1 * i;
+    session->apply(*editor, edit, now);
+    now += milliseconds(10);
+    work();
+    acknowledge(*editor);
+  }
+  EXPECT_EQ(editor->frames.size(), 4u);
+  EXPECT_EQ(watcher->frames.size(), 1u);
+  now += milliseconds(60);
+  work();
+  ASSERT_EQ(watcher->frames.size(), 2u);
+  EXPECT_TRUE(watcher->last().exact);
+  EXPECT_EQ(watcher->last().revision, editor->last().revision);
+}
+
 TEST(SessionRegistry, OpensNoSessionUnderOverloadButLetsPeopleJoin) {
   Clock::time_point now = kStart;
   RenderQueue queue([&] { return now; }, {.refusing = milliseconds(0)});

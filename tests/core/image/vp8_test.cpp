@@ -226,8 +226,11 @@ TEST_F(Vp8, DamagedFramesAreErrorsOrPictures) {
   EXPECT_GT(refused, 100);
 }
 
-TEST(Vp8Absent, ABuildWithoutItSaysSo) {
-  if (has_vp8()) GTEST_SKIP() << "a build with VP8";
+TEST(Vp8, ABuildWithoutItSaysSo) {
+  if (has_vp8()) {
+    EXPECT_NO_THROW(Vp8Encoder(8, 8, 8));
+    return;
+  }
   EXPECT_THAT(error_of([] { Vp8Encoder(8, 8, 8); }), HasSubstr("RIMLIGHT_VP8=ON"));
   EXPECT_THAT(error_of([] { Vp8Decoder(); }), HasSubstr("RIMLIGHT_VP8=ON"));
 }
