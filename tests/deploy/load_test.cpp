@@ -164,7 +164,9 @@ TEST_F(Load, StreamingCostsLittleOverTheSameWorkInALoop) {
   }
   const auto records = play_all({}, script);
   server_.reset();
-  const server::ServedScene scene = server::open_scene(bake_, {});
+  server::DrawSettings drawing;  // as `rimlight serve` does by default
+  drawing.relight.budget = parse_budget("8ms", "budget");
+  const server::ServedScene scene = server::open_scene(bake_, drawing);
   const auto source = scene.make_source();
   JpegEncoder jpeg;
   Rgb8Image image;
