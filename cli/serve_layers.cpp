@@ -84,9 +84,9 @@ class Layers {
   void add_environment(const Variables& environment) {
     for (const auto& [variable, text] : environment) {
       if (variable == kFileVariable) continue;
-      const auto field =
-          std::find_if(serve_fields().begin(), serve_fields().end(),
-                       [&](const ServeField& one) { return one.variable() == variable; });
+      const auto field = std::find_if(
+          serve_fields().begin(), serve_fields().end(),
+          [&name = variable](const ServeField& one) { return one.variable() == name; });
       if (field == serve_fields().end()) {
         result_.unknown_variables.push_back(variable);
         continue;

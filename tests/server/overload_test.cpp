@@ -101,8 +101,8 @@ class Turns : public testing::TestWithParam<int> {
  protected:
   struct Job : RenderJob, std::enable_shared_from_this<Job> {
     explicit Job(Turns& turns_) : turns(turns_) {}
-    void work(Clock::time_point now) noexcept override {
-      const double share = turns.queue.overload().budget_share(now);
+    void work(Clock::time_point at) noexcept override {
+      const double share = turns.queue.overload().budget_share(at);
       turns.now += microseconds(static_cast<int>(2000 + 8000 * share));
       ++frames;
       turns.shares.push_back(share);
