@@ -226,7 +226,7 @@ TEST_F(Vp8, DamagedFramesAreErrorsOrPictures) {
   EXPECT_GT(refused, 100);
 }
 
-TEST(Vp8, ABuildWithoutItSaysSo) {
+TEST(Vp8Support, IsThereOrABuildWithoutItSaysSo) {
   if (has_vp8()) {
     EXPECT_NO_THROW(Vp8Encoder(8, 8, 8));
     return;
