@@ -13,6 +13,8 @@
 namespace rimlight::server {
 namespace {
 
+using Sizes = std::initializer_list<std::size_t>;
+
 using rimlight::test::error_of;
 using test::bytes_of;
 using test::close_payload;
@@ -60,8 +62,8 @@ WireFrame part(Opcode opcode, const std::string& payload) { return {opcode, payl
 TEST_F(WebSocketConformance, MessagesOfEveryLengthFieldComeBackHoweverTheyAreCut) {
   for (const Opcode opcode : {Opcode::text, Opcode::binary}) {
     RawWebSocket socket = open();
-    for (const std::size_t size : {0, 1, 125, 126, 127, 128, 65535, 65536}) {
-      for (const std::size_t piece : {0, 997}) {
+    for (const std::size_t size : Sizes{0, 1, 125, 126, 127, 128, 65535, 65536}) {
+      for (const std::size_t piece : Sizes{0, 997}) {
         const std::string payload(size, opcode == Opcode::text ? '*' : '\xfe');
         socket.send(bytes_of({opcode, payload}), piece);
         expect_echo(socket, opcode, payload);
@@ -80,7 +82,7 @@ TEST_F(WebSocketConformance, AFrameWithoutMaskIsRefused) {
 // 2: pings and pongs.
 TEST_F(WebSocketConformance, APingIsAnsweredWithItsPayloadAndAPongIsNot) {
   RawWebSocket socket = open();
-  for (const std::size_t size : {0, 5, 125}) {
+  for (const std::size_t size : Sizes{0, 5, 125}) {
     const std::string payload(size, '\xff');
     socket.send(bytes_of({Opcode::ping, payload}), size == 5 ? 1 : 0);
     expect_echo(socket, Opcode::pong, payload);
@@ -125,7 +127,7 @@ TEST_F(WebSocketConformance, ReservedBitsAndOpcodesAreRefused) {
 
 // 5: fragments.
 TEST_F(WebSocketConformance, FragmentsMakeOneMessageAndControlFramesMayComeBetween) {
-  for (const std::size_t piece : {0, 1}) {
+  for (const std::size_t piece : Sizes{0, 1}) {
     RawWebSocket socket = open();
     socket.send(bytes_of(part(Opcode::text, "frag")) + bytes_of({Opcode::continuation, "ment"}),
                 piece);
@@ -245,7 +247,7 @@ TEST_F(WebSocketConformance, ACloseThatIsWrongIsAProtocolError) {
 // 9 and 10: large messages, in one frame, in many, in small writes; and one that is too large.
 TEST_F(WebSocketConformance, MessagesUpToTheBoundComeBackAndALargerOneEndsTheConnection) {
   constexpr std::size_t kMega = std::size_t{1} << 20;
-  for (const std::size_t size : {kMega / 16, kMega / 4, kMega, 4 * kMega, 16 * kMega}) {
+  for (const std::size_t size : Sizes{kMega / 16, kMega / 4, kMega, 4 * kMega, 16 * kMega}) {
     RawWebSocket socket = open();
     const Opcode opcode = size == 4 * kMega ? Opcode::text : Opcode::binary;
     const std::string payload(size, 'x');
@@ -257,7 +259,7 @@ TEST_F(WebSocketConformance, MessagesUpToTheBoundComeBackAndALargerOneEndsTheCon
 
 TEST_F(WebSocketConformance, LargeMessagesComeBackFromFragmentsOfEverySize) {
   const std::string payload(std::size_t{1} << 20, 'y');
-  for (const std::size_t size : {64, 1300, 4096, 65536, 1 << 20}) {
+  for (const std::size_t size : Sizes{64, 1300, 4096, 65536, 1 << 20}) {
     RawWebSocket socket = open();
     std::string bytes;
     for (std::size_t at = 0; at < payload.size(); at += size) {
