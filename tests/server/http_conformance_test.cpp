@@ -94,7 +94,7 @@ TEST_F(HttpConformance, WrongRequestsAreRefusedAndTheConnectionClosed) {
            " GET / HTTP/1.1\r\n" + std::string(kHost) + "\r\n",            //
            get + "X[]: brackets in a name\r\n\r\n",                        //
            get + "X-Bell: a\x07z\r\n\r\n",                                 // control characters
-           get + std::string("X-Null: a\0z\r\n\r\n", 17),                  //
+           get + std::string("X-Null: a\0z\r\n\r\n", 15),                  //
            get + "X-Space : before the colon\r\n\r\n",                     // RFC 9112, 5.1
            get + ": no name\r\n\r\n",                                      //
            get + "no colon\r\n\r\n",                                       //
