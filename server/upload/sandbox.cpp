@@ -107,13 +107,10 @@ std::vector<sock_filter> allow_list() {
   return filter;
 }
 
-}  // namespace
-
-void enter_sandbox(const SandboxLimits& limits) {
+/// Memory, files and system calls.
+void shut_in(const SandboxLimits& limits) {
   limit(RLIMIT_AS, limits.memory);
-  limit(RLIMIT_CPU, limits.cpu_seconds);
   limit(RLIMIT_FSIZE, 0);
-  limit(RLIMIT_CORE, 0);
   limit(RLIMIT_NOFILE, 3);
   std::vector<sock_filter> filter = allow_list();
   const sock_fprog program{static_cast<unsigned short>(filter.size()), filter.data()};
@@ -121,6 +118,14 @@ void enter_sandbox(const SandboxLimits& limits) {
       ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0) {
     throw Error("sandbox", std::strerror(errno), "a kernel that filters system calls");
   }
+}
+
+}  // namespace
+
+void enter_sandbox(const SandboxLimits& limits) {
+  limit(RLIMIT_CPU, limits.cpu_seconds);
+  limit(RLIMIT_CORE, 0);
+  if (kShutsIn) shut_in(limits);
 }
 
 }  // namespace rimlight::server

@@ -34,6 +34,7 @@ int status_of(const std::function<bool()>& action, const SandboxLimits& limits =
 }
 
 TEST(Sandbox, ThereIsNoFileNoSocketAndNoOtherProcess) {
+  if (!kShutsIn) GTEST_SKIP() << "built with a sanitizer";
   EXPECT_EQ(status_of([] { return true; }), 0);
   EXPECT_EQ(status_of([] { return ::open("/etc/passwd", O_RDONLY) < 0 && errno == EPERM; }), 0);
   EXPECT_EQ(status_of([] { return ::socket(AF_INET, SOCK_STREAM, 0) < 0 && errno == EPERM; }), 0);
@@ -60,7 +61,9 @@ bool takes_memory() {
 }
 
 TEST(Sandbox, MemoryAndTimeEnd) {
-  EXPECT_EQ(status_of(takes_memory), 7);
+  if (kShutsIn) {
+    EXPECT_EQ(status_of(takes_memory), 7);
+  }
   EXPECT_EQ(status_of(spins, {.cpu_seconds = 1}), 128 + 9);  // both limits are one: SIGKILL
 }
 
