@@ -26,7 +26,6 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
       settings_(settings),
       queue_(queue),
       version_(version_in(epoch, scene, kept)),
-      revision_(version_.revision),
       users_(version_),
       viewers_(scene.width, scene.height),
       maker_(scene, environments_, settings.jpeg_quality, queue, settings.metrics) {
@@ -34,9 +33,9 @@ DesignSession::DesignSession(std::string name, const ServedScene& scene, std::in
     waiting_.emplace(*kept.store, scene.name, name_,
                      kept.version ? kept.version->revision : Revision{});
   }
-  moving_revision_ = revision_.number;  // the first frame is the exact one
-  newest_revision_ = revision_.number;
-  viewers_.expect(revision_);
+  moving_revision_ = version_.revision.number;  // the first frame is the exact one
+  newest_revision_ = version_.revision.number;
+  viewers_.expect(version_.revision);
   idle_since_ = queue.now();
   last_edit_ = *idle_since_ - settings.quiet;  // the first frame need not wait for quiet
   settings_.metrics->session_opened();
@@ -56,7 +55,7 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
   viewers_.join(client, visitor.role < Role::editor ? Part::watches : Part::edits);
   client->send_text(write_welcome(welcome_for(entered, visitor)));
   tell_presence(client.get());
-  if (exact_revision_ == revision_.number) {
+  if (exact_revision_ == version_.revision.number) {
     if (viewers_.has_exact()) {
       viewers_.offer_newest(*client, now);
     } else {
@@ -70,12 +69,12 @@ Welcome DesignSession::welcome_for(const SessionUsers::Entered& entered,
                                    const Visitor& visitor) const {
   Welcome welcome{name_,           scene_.name,         environments_.names(), scene_.width,
                   scene_.height,   scene_.camera,       scene_.any_view,       scene_.materials,
-                  scene_.editable, materials_.measured, version_.state,        revision_};
+                  scene_.editable, materials_.measured, version_.state,        version_.revision};
   welcome.author = version_.author;
   welcome.you = {entered.user.author, visitor.role};
   welcome.resume = entered.resume;
   welcome.resumed = entered.resumed;
-  if (entered.resumed && visitor.seen) welcome.missed = revision_.number - *visitor.seen;
+  if (entered.resumed && visitor.seen) welcome.missed = version_.revision.number - *visitor.seen;
   welcome.history = version_.depth_of(entered.user.author.number);
   welcome.snapshots = version_.labels();
   welcome.present = users_.present();
@@ -149,17 +148,20 @@ void DesignSession::show(const WaitingEdit& edit, Clock::time_point arrived,
   if (!viewers_.empty()) ages_.edited(arrived);
   const bool has_other_snapshots = version_.snapshots != edit.version.snapshots;
   version_ = edit.version;
-  revision_ = version_.revision;
-  newest_revision_.store(revision_.number, std::memory_order_relaxed);
-  viewers_.expect(revision_);
+  newest_revision_.store(version_.revision.number, std::memory_order_relaxed);
+  viewers_.expect(version_.revision);
   last_edit_ = now;
   const std::shared_ptr<Client> sender = edit.client.lock();
-  const std::string state = write_state(revision_, version_.state, version_.author);
+  std::string state;  // written when there is somebody else to tell
   for (const Viewers::Viewer& viewer : viewers_) {
     if (viewer.client == sender) {
-      viewer.client->send_answer(write_ack(edit.id, revision_, version_.state, version_.author,
+      viewer.client->send_answer(write_ack(edit.id, version_.revision, version_.state,
+                                           version_.author,
                                            version_.depth_of(version_.author.number)));
     } else {
+      if (state.empty()) {
+        state = write_state(version_.revision, version_.state, version_.author);
+      }
       viewer.client->send_state(state);
     }
     if (has_other_snapshots) viewer.client->send_snapshots(write_snapshots(version_.labels()));
@@ -169,7 +171,7 @@ void DesignSession::show(const WaitingEdit& edit, Clock::time_point arrived,
 
 std::string DesignSession::export_state() const {
   const std::lock_guard lock(mutex_);
-  return write_export(scene_.name, name_, revision_, version_.state);
+  return write_export(scene_.name, name_, version_.revision, version_.state);
 }
 
 AckResult DesignSession::acknowledge(const Client& client, std::int64_t frame,
@@ -195,7 +197,7 @@ std::optional<Clock::time_point> DesignSession::idle_since() const {
 bool DesignSession::settled() const {
   const std::lock_guard lock(mutex_);
   if (waiting_ && !waiting_->empty()) return false;
-  return viewers_.empty() || (exact_revision_ == revision_.number && viewers_.all_shown());
+  return viewers_.empty() || (exact_revision_ == version_.revision.number && viewers_.all_shown());
 }
 
 void DesignSession::close() {

@@ -119,7 +119,6 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
 
   mutable std::mutex mutex_;
   SessionVersion version_;
-  Revision revision_;  // the version's
   SessionUsers users_;
   std::string presence_;  // as it was told last
   Clock::time_point last_edit_;
@@ -135,7 +134,8 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   std::optional<WaitingEdits> waiting_;  // with a store
   std::optional<Clock::time_point> idle_since_;
 
-  std::atomic<std::int64_t> newest_revision_{0};  // revision_.number, to be asked between tiles
+  std::atomic<std::int64_t> newest_revision_{
+      0};  // version_.revision.number, to be asked between tiles
   std::atomic<bool> closed_{false};
   std::atomic<bool> finishing_{false};
 

@@ -19,7 +19,7 @@ double milliseconds(Clock::duration duration) {
 }  // namespace
 
 void DesignSession::reschedule(Clock::time_point now) {
-  const bool is_shown = exact_revision_ == revision_.number;
+  const bool is_shown = exact_revision_ == version_.revision.number;
   viewers_.set_editors_first(queue_.overload().stage(now) >= Overload::Stage::editors_first);
   wants_again_ = viewers_.any_lacking();
   if (closed_.load() || !viewers_.any_visible() ||
@@ -37,7 +37,7 @@ void DesignSession::reschedule(Clock::time_point now) {
   }
   const Clock::time_point quiet_from = last_edit_ + settings_.quiet;
   if (!exact_since_ || *exact_since_ < quiet_from) exact_since_ = std::max(now, quiet_from);
-  if (moving_revision_ == revision_.number || !viewers_.any_ready()) {
+  if (moving_revision_ == version_.revision.number || !viewers_.any_ready()) {
     moving_since_.reset();
   } else if (!moving_since_) {
     moving_since_ = now;
@@ -49,14 +49,14 @@ void DesignSession::reschedule(Clock::time_point now) {
 }
 
 DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
-  Task task{Work::none, {version_.state, revision_}};
+  Task task{Work::none, {version_.state, version_.revision}};
   if (closed_.load()) return task;
   if (moving_since_) {
     task.kind = Work::moving;
     task.frame.queue_ms = milliseconds(now - *std::exchange(moving_since_, std::nullopt));
     task.frame.edit = ages_.begin(ServerMetrics::FrameKind::moving);
     // Counted as shown already now: only edits that come during the work ask for another.
-    moving_revision_ = revision_.number;
+    moving_revision_ = version_.revision.number;
   } else if (wants_again_ && viewers_.any_lacking()) {
     task.kind = Work::again;
   } else if (unfinished_ == Unfinished::exact_frame) {
@@ -117,7 +117,7 @@ void DesignSession::make_frame(const FrameTask& task) {
     unfinished_ = unfinished;
     moving_revision_ = std::max(moving_revision_, task.revision.number);
     if (task.exact) {
-      if (revision_.number == task.revision.number) ages_.settled();
+      if (version_.revision.number == task.revision.number) ages_.settled();
       exact_revision_ = task.revision.number;
     }
     orders = viewers_.show(*picture, queue_.now());

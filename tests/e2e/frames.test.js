@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { chromium } from 'playwright-core';
+import * as pages from './pages.js';
 import { checkMessages, drag, frameOf, waitForExact } from './pages.js';
 import { run, startServer } from './server.js';
 import { faults } from './schemas.js';
@@ -34,21 +35,8 @@ function displaysOf(messages) {
     .filter((message) => message.type === 'display');
 }
 
-async function openPage(session, { query = '', init } = {}) {
-  const context = await browser.newContext({ viewport: { width: 1280, height: 860 } });
-  if (init) await context.addInitScript(init);
-  const page = await context.newPage();
-  const errors = [];
-  const messages = [];
-  page.on('pageerror', (error) => errors.push(String(error)));
-  page.on('console', (line) => { if (line.type() === 'error') errors.push(line.text()); });
-  page.on('websocket', (socket) => {
-    socket.on('framesent', ({ payload }) => messages.push(payload));
-    socket.on('framereceived', ({ payload }) => messages.push(payload));
-  });
-  await page.goto(`${server.address}?session=${session}${query}`);
-  await waitForExact(page);
-  return { page, errors, messages, close: () => context.close() };
+function openPage(session, { query = '', init } = {}) {
+  return pages.openPage(browser, `${server.address}?session=${session}${query}`, { init });
 }
 
 /** PSNR in dB of each frame in motion that the page drew against the exact one of its revision. */

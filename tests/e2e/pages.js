@@ -4,9 +4,13 @@ import { faults } from './schemas.js';
 
 export const kPatience = 20000;
 
-/** A page with everything that went wrong in it, and every message that went over its socket. */
-export async function openPage(browser, url, options = {}) {
+/**
+ * A page with everything that went wrong in it, and every message that went over its socket; `init` runs in it before its
+ * own scripts.
+ */
+export async function openPage(browser, url, { init, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 860 }, ...options });
+  if (init) await context.addInitScript(init);
   const page = await context.newPage();
   const errors = [];
   const messages = [];

@@ -6,6 +6,7 @@
 
 #include "cli/command.h"
 #include "server/store/sqlite_store.h"
+#include "tests/server/command_output.h"
 #include "tests/server/stored_edits.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
@@ -16,20 +17,8 @@ namespace {
 using nlohmann::json;
 using rimlight::test::error_of;
 
-/// What the command prints; throws what it throws.
 std::string run_sessions(const std::string& arguments) {
-  CLI::App program("test", "rimlight");
-  Action chosen;
-  add_sessions_command(program, chosen);
-  program.parse("sessions " + arguments);
-  testing::internal::CaptureStdout();
-  try {
-    EXPECT_EQ(chosen(), 0);
-  } catch (...) {
-    testing::internal::GetCapturedStdout();
-    throw;
-  }
-  return testing::internal::GetCapturedStdout();
+  return rimlight::test::command_output(add_sessions_command, "sessions " + arguments);
 }
 
 class SessionsCommand : public testing::Test {

@@ -7,6 +7,7 @@
 #include "cli/command.h"
 #include "cli/serve_config.h"
 #include "server/access/access_token.h"
+#include "tests/server/command_output.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
@@ -16,20 +17,8 @@ namespace {
 using server::WallClock;
 using test::error_of;
 
-/// What the command prints; throws what it throws.
 std::string run_token(const std::string& arguments) {
-  CLI::App program("test", "rimlight");
-  Action chosen;
-  add_token_command(program, chosen);
-  program.parse("token " + arguments);
-  testing::internal::CaptureStdout();
-  try {
-    EXPECT_EQ(chosen(), 0);
-  } catch (...) {
-    testing::internal::GetCapturedStdout();
-    throw;
-  }
-  return testing::internal::GetCapturedStdout();
+  return rimlight::test::command_output(add_token_command, "token " + arguments);
 }
 
 TEST(TokenCommand, PrintsATokenThatTheKeyFileOfTheSameCommandBelieves) {
