@@ -169,9 +169,8 @@ net::awaitable<bool> HttpSession::answer_body(HeaderParser& header, beast::flat_
     }
     co_return false;
   }
-  Response response =
-      make_response(http::status::ok, request.version(), parser.get().keep_alive(),
-                    "application/octet-stream", std::move(parser.get().body()));
+  Response response = make_response(http::status::ok, request.version(), parser.get().keep_alive(),
+                                    "application/octet-stream", std::move(parser.get().body()));
   const bool keep_alive = co_await answer(stream_, std::move(response));
   co_return keep_alive;
 }

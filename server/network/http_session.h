@@ -90,6 +90,7 @@ class HttpSession final : public Stoppable,
   struct Upload {
     std::string environment;
     std::shared_ptr<DesignSession> session;
+    UploadDesk::Place place;
   };
   boost::asio::awaitable<std::variant<Upload, Response>> check_upload(
       const Request& request, const boost::optional<std::uint64_t>& length) const;

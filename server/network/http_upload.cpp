@@ -77,7 +77,8 @@ std::optional<Refusal> HttpSession::fault_of_upload(
   return fault_of_length(length);
 }
 
-/// Opening the session may read the disk.
+/// Opening the session may read the disk: only those who have a place at the desk ask for that, so
+/// that a flood of uploads leaves room to those who open sessions.
 net::awaitable<std::variant<HttpSession::Upload, HttpSession::Response>> HttpSession::check_upload(
     const Request& request, const boost::optional<std::uint64_t>& length) const {
   if (const auto fault = origin_fault(request, site_.hosts)) co_return refuse(request, *fault);
@@ -87,6 +88,12 @@ net::awaitable<std::variant<HttpSession::Upload, HttpSession::Response>> HttpSes
     const UploadTarget target = parse_upload_target({text.data(), text.size()});
     if (const auto fault = fault_of_upload(request, target, length)) {
       co_return refuse(request, *fault);
+    }
+    upload.place = site_.uploads.take_place();
+    if (!upload.place) {
+      co_return refuse(
+          request, {http::status::service_unavailable, "too many uploads at once; try again later",
+                    RefusalReason::upload});
     }
     upload.environment = target.environment;
     const auto open = [&sessions = site_.sessions, target] {
@@ -139,17 +146,8 @@ net::awaitable<void> HttpSession::take_upload(HeaderParser& header, beast::flat_
   Request request(header.get().base());
   request.keep_alive(false);
   auto checked = co_await check_upload(request, header.content_length());
-  const UploadDesk::Place place(site_.uploads);
-  std::optional<Response> response;
   if (auto* const refusal = std::get_if<Response>(&checked)) {
-    response = std::move(*refusal);
-  } else if (!place.is_taken()) {
-    response =
-        refuse(request, {http::status::service_unavailable,
-                         "too many uploads at once; try again later", RefusalReason::upload});
-  }
-  if (response) {
-    co_await refuse_upload(std::move(*response));
+    co_await refuse_upload(std::move(*refusal));
     co_return;
   }
   std::string bytes;

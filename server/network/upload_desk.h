@@ -4,7 +4,7 @@
 
 #include <atomic>
 #include <boost/asio/thread_pool.hpp>
-#include <cstddef>
+#include <memory>
 #include <stop_token>
 #include <utility>
 
@@ -23,19 +23,17 @@ class UploadDesk {
   UploadDesk(const UploadDesk&) = delete;
   UploadDesk& operator=(const UploadDesk&) = delete;
 
-  /// A place at the desk, given back with this; none when all are taken.
-  class Place {
-   public:
-    explicit Place(UploadDesk& desk) : desk_(desk), taken_(++desk.open_ <= kMost) {}
-    Place(const Place&) = delete;
-    Place& operator=(const Place&) = delete;
-    ~Place() { --desk_.open_; }
-    bool is_taken() const { return taken_; }
-
-   private:
-    UploadDesk& desk_;
-    const bool taken_;
+  struct GiveBack {
+    void operator()(UploadDesk* desk) const { --desk->open_; }
   };
+  /// A place at the desk, given back with this.
+  using Place = std::unique_ptr<UploadDesk, GiveBack>;
+  /// None when all are taken.
+  Place take_place() {
+    if (++open_ <= kMost) return Place(this);
+    --open_;
+    return nullptr;
+  }
 
   boost::asio::thread_pool& pool() { return pool_; }
   /// Of a decoder that stop() ends.

@@ -1,5 +1,5 @@
-// make_bake DIR.bake SIDE [vertex_sh | brdf_curve]: bakes a small scene made here (a glossy ball, a matte one
-// and a wall on a floor) for the tests that need a real bake in seconds.
+// make_bake DIR.bake SIDE [vertex_sh | brdf_curve]: bakes a small scene made here (a glossy ball, a
+// matte one and a wall on a floor) for the tests that need a real bake in seconds.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

@@ -177,7 +177,8 @@ TEST(Door, NoTokenIsEverLogged) {
     EXPECT_FALSE(wait_for(*client, "error").is_null());
   }
   spdlog::set_default_logger(before);
-  EXPECT_NE(log.str().find("reason \"token\", status 401, detail \"forged\""), std::string::npos) << log.str();
+  EXPECT_NE(log.str().find("reason \"token\", status 401, detail \"forged\""), std::string::npos)
+      << log.str();
   EXPECT_NE(log.str().find("of another session"), std::string::npos) << log.str();
   for (std::size_t i = 0; i + 12 <= good.size(); i += 6) {
     EXPECT_EQ(log.str().find(good.substr(i, 12)), std::string::npos) << log.str();

@@ -66,7 +66,7 @@ std::unique_ptr<StreamClient> LoopbackServer::open(const std::string& session) c
 }
 
 RawSocket::RawSocket(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-  const timeval timeout{5, 0};
+  const timeval timeout{30, 0};
   ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
   sockaddr_in address{};
   address.sin_family = AF_INET;

@@ -52,7 +52,7 @@ class LoopbackServer {
 };
 
 /// A plain TCP connection to 127.0.0.1, for what no well-behaved client sends. Blocking, with a
-/// timeout of five seconds.
+/// timeout of thirty seconds.
 class RawSocket {
  public:
   explicit RawSocket(std::uint16_t port);

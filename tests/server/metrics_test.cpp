@@ -21,6 +21,7 @@ namespace rimlight::server {
 namespace {
 
 using rimlight::test::error_of;
+using std::chrono::hours;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 using test::LoopbackServer;
@@ -252,7 +253,9 @@ class ServedMetrics : public testing::Test {
 };
 
 TEST_F(ServedMetrics, CountWhatAScriptOfClientsDoes) {
-  LoopbackServer server(settings());
+  LoopbackServer::Settings never_late = settings();
+  never_late.overload = {.comfortable = hours(1), .refusing = hours(1), .shedding = hours(1)};
+  const LoopbackServer server(never_late);
   const auto client = server.open("a");
   std::size_t frame_bytes = 0, text_bytes = 0, frames = 0, texts = 0, sent_bytes = 0, sent = 0;
   const auto send = [&](const std::string& text) {
@@ -263,17 +266,20 @@ TEST_F(ServedMetrics, CountWhatAScriptOfClientsDoes) {
   send(R"({"type":"edit","id":"1","rotation":[0,0,0,1]})");
   send("nonsense");
   bool is_exact = false;
-  for (const auto end = Clock::now() + seconds(10); !is_exact && Clock::now() < end;) {
-    const auto received = client->receive(end);
+  for (const auto end = Clock::now() + seconds(10);;) {
+    const auto received = client->receive(is_exact ? Clock::now() + milliseconds(100) : end);
+    if (std::holds_alternative<StreamClient::Nothing>(received)) break;
     if (const auto* const frame = std::get_if<StreamClient::Binary>(&received)) {
       const FrameHeader header = parse_frame_message(frame->bytes, "frame").header;
       frame_bytes += frame->bytes.size();
       ++frames;
       send(R"({"type":"frame_ack","frame":)" + std::to_string(header.frame) + "}");
-      is_exact = header.exact && header.revision.number == 1;
+      is_exact |= header.exact && header.revision.number == 1;
     } else if (const auto* const text = std::get_if<StreamClient::Text>(&received)) {
       text_bytes += text->text.size();
       ++texts;
+    } else {
+      FAIL() << "the connection ended";
     }
   }
   ASSERT_TRUE(is_exact);
@@ -297,6 +303,21 @@ TEST_F(ServedMetrics, CountWhatAScriptOfClientsDoes) {
   EXPECT_EQ(text.at("rimlight_sent_messages_total{content=\"text\"}"), static_cast<double>(texts));
   EXPECT_EQ(text.at("rimlight_sent_bytes_total{content=\"text\"}"),
             static_cast<double>(text_bytes));
+}
+
+TEST_F(ServedMetrics, SayThatFramesAreLate) {
+  LoopbackServer::Settings always_late = settings();
+  always_late.overload.comfortable = milliseconds(0);
+  const LoopbackServer server(always_late);
+  const auto client = server.open("a");
+  for (bool framed = false; !framed;) {
+    const auto received = client->receive(Clock::now() + seconds(10));
+    framed = !std::holds_alternative<StreamClient::Text>(received);
+  }
+  const MetricsText text = scrape(server);
+  EXPECT_EQ(text.at("rimlight_overload_stage"), 1);
+  EXPECT_EQ(text.at("rimlight_budget_share"), always_late.overload.least_share);
+  EXPECT_GT(text.at("rimlight_lateness_seconds"), 0);
 }
 
 TEST_F(ServedMetrics, CountRefusalsByTheirReason) {

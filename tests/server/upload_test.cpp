@@ -31,7 +31,7 @@ using test::RawSocket;
 using test::status_line;
 
 constexpr seconds kPatience{10};
-const DecoderSettings kDecoder{{RIMLIGHT_PROGRAM, "decode-environment"}, seconds(20)};
+const DecoderSettings kDecoder{{RIMLIGHT_PROGRAM, "decode-environment"}, seconds(60)};
 
 LoopbackServer::Settings with_decoder() {
   LoopbackServer::Settings settings;

@@ -9,8 +9,8 @@
 
 namespace rimlight::test {
 
-/// A bake of kind brdf_curve with a material of each model and a measured one, two measured BRDFs, and random
-/// surfaces in all tiles of the picture.
+/// A bake of kind brdf_curve with a material of each model and a measured one, two measured BRDFs,
+/// and random surfaces in all tiles of the picture.
 struct CurveBakeParts {
   explicit CurveBakeParts(std::uint64_t seed = 1);
   CurveBakeParts(const CurveBakeParts&) = delete;
