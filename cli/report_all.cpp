@@ -227,8 +227,9 @@ class AllExperiments {
       settings.policies.push_back(parse_timed_policy(policy, "policy"));
     }
     const Lights lights = lights_of(scene.baked());
-    // Twice for the truth, twice for direct light; the rest is ours.
-    settings.seconds = shares_.share_seconds() / 6 / static_cast<double>(lights.size());
+    // Each twice, of all light and of direct light: a quarter of the share, so that a busy machine
+    // does not cut it off.
+    settings.seconds = shares_.share_seconds() / 16 / static_cast<double>(lights.size());
     return light_by_light(lights, [&](const auto& light) {
       settings.lights = {light};
       return measure_equal_time(scene.scene, scene.baked(), settings, progress);
