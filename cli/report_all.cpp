@@ -14,6 +14,7 @@
 #include "cli/report_experiments.h"
 #include "cli/report_sources.h"
 #include "cli/time_shares.h"
+#include "cli/version.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
 #include "core/base/parallel.h"
@@ -317,7 +318,8 @@ class AllExperiments {
     const nlohmann::json machine = describe_machine();
     const fs::path page = fs::path(options_.report.output) / "index.html";
     write_file_atomically(page, to_html("Rimlight: error against run time",
-                                        {{"version", RIMLIGHT_VERSION},
+                                        {{"version", version()},
+                                         {"commit", source_commit()},
                                          {"processor", machine["processor"].get<std::string>()},
                                          {"threads", machine["threads"].dump()},
                                          {"command", own_command()}},
