@@ -10,9 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "cli/codec_report.h"
 #include "cli/progress_bar.h"
 #include "cli/report_experiments.h"
 #include "cli/report_sources.h"
+#include "cli/serving_report.h"
 #include "cli/time_shares.h"
 #include "cli/version.h"
 #include "core/base/error.h"
@@ -50,6 +52,8 @@ struct Options {
 /// Below this many minutes experiments look at less: fewer frames, one degree, a smaller scene.
 constexpr double kShort = 10;
 constexpr int kShortFrames = 24;
+constexpr int kPictures = 10;
+constexpr double kMostServingSeconds = 8;
 
 /// The default scene as large as there is time for.
 Scene sized_default_scene(double minutes) {
@@ -194,6 +198,15 @@ class AllExperiments {
   }
 
   void plan_experiments(const std::shared_ptr<MeasuredScene>& scene, bool is_image) {
+    plan("Codecs", 0.5, scene->folder, [scene](const Progress& progress) {
+      (void)scene->baked();
+      return measured(measure_codecs(scene->bake, kPictures, progress));
+    });
+    plan("Serving", 2, scene->folder, [this, scene](const Progress& progress) {
+      // Four crowds, and what it takes until the last exact frames have come.
+      const double seconds = std::clamp(shares_.share_seconds() / 8, 1.0, kMostServingSeconds);
+      return measured(measure_serving(scene->baked().folder(), seconds, progress));
+    });
     if (!is_image) {
       plan("BRDF curve edits", 3, scene->folder,
            [this, scene](const Progress& progress) { return brdf_edit(*scene, progress); });

@@ -88,8 +88,10 @@ void add_report_command(CLI::App& app, Action& chosen) {
 
   add_all_report(*command, chosen);
   add_brdf_edit_report(*command, chosen);
+  add_codecs_report(*command, chosen);
   add_equal_time_report(*command, chosen);
   add_error_vs_time_report(*command, chosen);
+  add_serving_report(*command, chosen);
   add_sh_policies_report(*command, chosen);
   add_storage_report(*command, chosen);
 }

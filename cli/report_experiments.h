@@ -71,8 +71,10 @@ void add_all_report(CLI::App& report, Action& chosen);
 // One function an experiment.
 void add_adaptive_sh_report(CLI::App& report, Action& chosen);
 void add_brdf_edit_report(CLI::App& report, Action& chosen);
+void add_codecs_report(CLI::App& report, Action& chosen);
 void add_equal_time_report(CLI::App& report, Action& chosen);
 void add_error_vs_time_report(CLI::App& report, Action& chosen);
+void add_serving_report(CLI::App& report, Action& chosen);
 void add_sh_policies_report(CLI::App& report, Action& chosen);
 void add_storage_report(CLI::App& report, Action& chosen);
 

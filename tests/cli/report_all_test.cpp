@@ -65,7 +65,8 @@ TEST(ReportAll, WritesOnePageOfAllThatItMeasured) {
                    (folder / "report").string(), "--minutes", "1", "--light", "studio"});
   ASSERT_EQ(result.status, 0) << result.errors;
   const auto written = folder / "report" / "ball";
-  for (const char* const name : {"bake", "equal-time", "error-vs-time", "storage"}) {
+  for (const char* const name :
+       {"bake", "codecs", "serving", "equal-time", "error-vs-time", "storage"}) {
     const json report = json::parse(read_file(written / (std::string(name) + ".json"), kMostBytes));
     EXPECT_EQ(report.at("experiment"), name);
     EXPECT_FALSE(report.at("rows").empty()) << name;
