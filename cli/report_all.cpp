@@ -53,6 +53,8 @@ struct Options {
 constexpr double kShort = 10;
 constexpr int kShortFrames = 24;
 constexpr int kPictures = 10;
+/// About half of all: without its bake a scene has no other experiment. What it leaves is theirs.
+constexpr double kBakeWeight = 14;
 constexpr double kMostServingSeconds = 8;
 
 /// The default scene as large as there is time for.
@@ -101,6 +103,9 @@ MeasuredReport light_by_light(const Lights& lights, const Measure& measure) {
   return report;
 }
 
+/// What ends an experiment whose scene's bake was cut off.
+struct NoBake {};
+
 /// A scene to measure on. The bake is there once its experiment has been run.
 struct MeasuredScene {
   std::shared_ptr<const Scene> scene;  // null: only the bake is known
@@ -108,7 +113,7 @@ struct MeasuredScene {
   fs::path folder;  // of its reports
 
   const Bake& baked() const {
-    if (!bake) throw Error("report all", "no bake of this scene", "one that was finished in time");
+    if (!bake) throw NoBake{};
     return *bake;
   }
 };
@@ -183,9 +188,10 @@ class AllExperiments {
     auto scene = std::make_shared<MeasuredScene>();
     scene->scene = source;
     scene->folder = fs::path(options_.report.output) / name;
-    plan("Bake: " + source->name, 4, scene->folder, [scene, name](const Progress& progress) {
-      return measured(measure_bake(*scene, name, progress));
-    });
+    plan("Bake: " + source->name, kBakeWeight, scene->folder,
+         [scene, name](const Progress& progress) {
+           return measured(measure_bake(*scene, name, progress));
+         });
     plan_experiments(scene, source->bake.kind == BakeKind::image_haar);
   }
 
@@ -316,6 +322,8 @@ class AllExperiments {
     } catch (const OutOfTime&) {
       leave_out(one, "Left out: it was not done in the " + fixed(shares_.share_seconds(), 0) +
                          " seconds that it had; give more --minutes.");
+    } catch (const NoBake&) {
+      leave_out(one, "Left out: there is no bake of its scene.");
     } catch (const Error& error) {
       ++failures_;
       leave_out(one, std::string("Failed: ") + error.what());

@@ -83,8 +83,8 @@ class TracedTruth {
   void add_rows(const std::string& light, const char* method, EqualTimeReport& report) const {
     for (const Snapshot& one : snapshots_) {
       const double psnr = display_psnr(one.image, second_, exposure_);
-      report.rows.push_back(
-          {light, method, one.passes, one.ms, without_noise(psnr, noise_of_second_)});
+      report.rows.push_back({light, method, kTracedPicture, one.passes, one.ms,
+                             without_noise(psnr, noise_of_second_)});
     }
   }
 
@@ -165,12 +165,15 @@ class Experiment {
     const CubeLight texels = lit.player.at(1).light;
     trace(name, texels, 0);
     const TracedTruth truth = trace(name, texels, rays_.scene().bake.bounces);
+    for (const TimedPolicy& policy : settings_.policies) play_policy(policy, kBakedPicture, 0, lit);
     // Frame 0, before the turn, is under another light, and not looked at.
     for (ReferenceFrame& frame : lit.frames) {
       frame.reference = truth.truth();
       frame.exposure = truth.exposure();
     }
-    for (const TimedPolicy& policy : settings_.policies) play_policy(policy, truth, lit);
+    for (const TimedPolicy& policy : settings_.policies) {
+      play_policy(policy, kTracedPicture, truth.noise(), lit);
+    }
   }
 
   TracedTruth trace(const std::string& light, const CubeLight& texels, int bounces) {
@@ -182,13 +185,13 @@ class Experiment {
     return truth;
   }
 
-  void play_policy(const TimedPolicy& policy, const TracedTruth& truth, LitSequence& lit) {
+  void play_policy(const TimedPolicy& policy, const char* against, double noise, LitSequence& lit) {
     double ms = 0;
     for (const FrameRow& row : play(bake_, receivers_, policy, lit).rows) {
       if (row.frame == 0) continue;
       ms += row.ms.total();
       report_.rows.push_back(
-          {lit.light, policy.name(), row.frame, ms, without_noise(row.psnr_db, truth.noise())});
+          {lit.light, policy.name(), against, row.frame, ms, without_noise(row.psnr_db, noise)});
     }
   }
 
@@ -209,11 +212,13 @@ EqualTimeReport measure_equal_time(
   return Experiment(scene, bake, settings, progress).run();
 }
 
-std::optional<double> milliseconds_to(const EqualTimeReport& report, const std::string& light,
-                                      const std::string& method, double psnr_db) {
+std::optional<double> milliseconds_to(const EqualTimeReport& report, const EqualTimeRow& like,
+                                      double psnr_db) {
   const EqualTimeRow* before = nullptr;
   for (const EqualTimeRow& row : report.rows) {
-    if (row.light != light || row.method != method) continue;
+    if (row.light != like.light || row.method != like.method || row.against != like.against) {
+      continue;
+    }
     if (row.psnr_db < psnr_db) {
       before = &row;
       continue;

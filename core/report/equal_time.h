@@ -29,13 +29,19 @@ struct EqualTimeSettings {
 /// How far a method has come after some time.
 struct EqualTimeRow {
   std::string light;
-  std::string method;  // a policy; kPathTracing; kDirectTracing
-  int steps = 0;       // frames, or paths a pixel
-  double ms = 0;       // all of them together
-  /// As displayed, against the truth, without the truth's own noise. Of kDirectTracing against the
-  /// truth of direct light alone.
+  std::string method;   // a policy; kPathTracing; kDirectTracing
+  std::string against;  // kTracedPicture, or kBakedPicture
+  int steps = 0;        // frames, or paths a pixel
+  double ms = 0;        // all of them together
+  /// As displayed. Against a traced picture without that one's own noise; of kDirectTracing it is
+  /// traced with direct light alone.
   double psnr_db = 0;
 };
+/// What a path tracer comes to: as many paths with other seeds.
+inline constexpr const char* kTracedPicture = "traced picture";
+/// What relighting comes to: the bake's reference rows under the whole light, or where it has none
+/// the stored transport. From the traced one it is as far as the bake's own noise.
+inline constexpr const char* kBakedPicture = "baked picture";
 inline constexpr const char* kPathTracing = "path tracing";
 inline constexpr const char* kDirectTracing = "path tracing, direct light only";
 
@@ -47,16 +53,17 @@ struct EqualTimeReport {
 };
 
 /// The truth of each light is path traced with other seeds, for as long. A policy's time is what
-/// FrameTimes names; path tracing's is its paths alone, without display. Throws Error when the bake
-/// is of another picture than the scene's.
+/// FrameTimes names, measured once against each picture; path tracing's is its paths alone, without
+/// display. Throws Error when the bake is of another picture than the scene's.
 EqualTimeReport measure_equal_time(const std::shared_ptr<const Scene>& scene, const Bake& bake,
                                    const EqualTimeSettings& settings,
                                    const std::function<void(const std::string&, double)>& progress);
 
-/// Milliseconds until a method had `psnr_db`, between two of its rows by the logarithm of time;
-/// nothing when it came never so far. Before its first row: that row's.
-std::optional<double> milliseconds_to(const EqualTimeReport& report, const std::string& light,
-                                      const std::string& method, double psnr_db);
+/// Milliseconds until the rows of a light, method and picture like a given one's had `psnr_db`,
+/// between two of its rows by the logarithm of time; nothing when it came never so far. Before its
+/// first row: that row's.
+std::optional<double> milliseconds_to(const EqualTimeReport& report, const EqualTimeRow& like,
+                                      double psnr_db);
 
 /// docs/formats/report.md.
 nlohmann::json to_json(const EqualTimeReport& report);

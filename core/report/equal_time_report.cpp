@@ -1,5 +1,6 @@
 // What equal_time.h says in JSON, words and pictures.
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -13,15 +14,23 @@ using nlohmann::json;
 
 constexpr double kLevels[] = {30, 35, 40, 45};
 
-/// In the order of the rows.
-template <typename Field>
-std::vector<std::string> names(const std::vector<EqualTimeRow>& rows, Field field) {
-  std::vector<std::string> found;
-  std::set<std::string> known;
+bool are_alike(const EqualTimeRow& a, const EqualTimeRow& b) {
+  return a.light == b.light && a.method == b.method && a.against == b.against;
+}
+
+/// The last row of each light, method and picture: what it came to.
+std::vector<EqualTimeRow> last_rows(const std::vector<EqualTimeRow>& rows) {
+  std::vector<EqualTimeRow> last;
   for (const EqualTimeRow& row : rows) {
-    if (known.insert(row.*field).second) found.push_back(row.*field);
+    const auto found =
+        std::ranges::find_if(last, [&](const EqualTimeRow& one) { return are_alike(one, row); });
+    if (found == last.end()) {
+      last.push_back(row);
+    } else {
+      *found = row;
+    }
   }
-  return found;
+  return last;
 }
 
 }  // namespace
@@ -29,23 +38,21 @@ std::vector<std::string> names(const std::vector<EqualTimeRow>& rows, Field fiel
 json to_json(const EqualTimeReport& report) {
   json rows = json::array();
   for (const EqualTimeRow& row : report.rows) {
-    json one = {{"light", row.light},
-                {"method", row.method},
-                {"steps", row.steps},
-                {"ms", row.ms},
-                {"psnr_db", row.psnr_db}};
+    json one = {{"light", row.light}, {"method", row.method}, {"against", row.against},
+                {"steps", row.steps}, {"ms", row.ms},         {"psnr_db", row.psnr_db}};
     rows.push_back(std::move(one));
   }
   json summary = json::array();
-  for (const std::string& light : names(report.rows, &EqualTimeRow::light)) {
-    for (const std::string& method : names(report.rows, &EqualTimeRow::method)) {
-      json one = {{"light", light}, {"method", method}};
-      for (const double level : kLevels) {
-        const auto ms = milliseconds_to(report, light, method, level);
-        one["ms_to_" + fixed(level, 0) + "_db"] = ms ? json(*ms) : json(nullptr);
-      }
-      summary.push_back(std::move(one));
+  for (const EqualTimeRow& last : last_rows(report.rows)) {
+    json one = {{"light", last.light},
+                {"method", last.method},
+                {"against", last.against},
+                {"last_psnr_db", last.psnr_db}};
+    for (const double level : kLevels) {
+      const auto ms = milliseconds_to(report, last, level);
+      one["ms_to_" + fixed(level, 0) + "_db"] = ms ? json(*ms) : json(nullptr);
     }
+    summary.push_back(std::move(one));
   }
   return {{"experiment", "equal-time"},    {"machine", describe_machine()},
           {"scene", report.scene},         {"width", report.width},
@@ -65,49 +72,60 @@ ReportSection section_of(const EqualTimeReport& report) {
                             std::to_string(report.receivers) +
                             " receivers. Times of relighting have everything in them from the "
                             "light to the JPEG; those of path tracing only the paths.");
+  section.remarks.push_back(
+      "Path tracing is held against a picture that was traced with other seeds for as long, "
+      "without "
+      "that one's noise; relighting against the picture that the bake comes to, and against the "
+      "traced one, from which the bake's own noise keeps it.");
   Table table{.caption =
-                  "Milliseconds until a display-referred PSNR against a path-traced truth; "
-                  "and how many times as long path tracing takes for 40 dB"};
-  table.columns = {"light", "method"};
+                  "Milliseconds until a display-referred PSNR; how many times as long path "
+                  "tracing takes for 40 dB; the last PSNR"};
+  table.columns = {"light", "method", "against"};
   for (const double level : kLevels) table.columns.push_back(fixed(level, 0) + " dB");
-  table.columns.push_back("x");
-  for (const std::string& light : names(report.rows, &EqualTimeRow::light)) {
-    const auto traced = milliseconds_to(report, light, kPathTracing, 40);
-    for (const std::string& method : names(report.rows, &EqualTimeRow::method)) {
-      std::vector<std::string> cells = {light, method};
-      for (const double level : kLevels) {
-        cells.push_back(fixed(milliseconds_to(report, light, method, level).value_or(NAN), 1));
-      }
-      const auto ours = milliseconds_to(report, light, method, 40);
-      cells.push_back(ours && traced ? fixed(*traced / *ours, 1) : "-");
-      table.rows.push_back(std::move(cells));
+  table.columns.insert(table.columns.end(), {"x", "last, dB"});
+  for (const EqualTimeRow& last : last_rows(report.rows)) {
+    std::vector<std::string> cells = {last.light, last.method, last.against};
+    for (const double level : kLevels) {
+      cells.push_back(fixed(milliseconds_to(report, last, level).value_or(NAN), 1));
     }
+    EqualTimeRow tracing = last;
+    tracing.method = kPathTracing;
+    tracing.against = kTracedPicture;
+    const auto traced = milliseconds_to(report, tracing, 40);
+    const auto ours = milliseconds_to(report, last, 40);
+    cells.push_back(ours && traced ? fixed(*traced / *ours, 1) : "-");
+    cells.push_back(fixed(last.psnr_db, 1));
+    table.rows.push_back(std::move(cells));
   }
   section.tables.push_back(std::move(table));
   return section;
 }
 
 Figures draw_figures(const EqualTimeReport& report, const std::filesystem::path& folder) {
+  const std::vector<EqualTimeRow> runs = last_rows(report.rows);
   Figures figures;
   int number = 0;
-  for (const std::string& light : names(report.rows, &EqualTimeRow::light)) {
+  std::set<std::string> drawn;
+  for (const EqualTimeRow& run : runs) {
+    if (!drawn.insert(run.light).second) continue;
     const std::string picture = "equal-time-" + std::to_string(number++) + ".png";
     GnuplotScript script(picture);
     script.add("set title " +
-               gnuplot_quote("After a quarter turn: " + report.scene + ", " + light));
+               gnuplot_quote("After a quarter turn: " + report.scene + ", " + run.light));
     script.add("set xlabel \"milliseconds\"\nset logscale x\nset key outside right");
     script.add("set ylabel \"PSNR as displayed, dB\"");
     std::string plot;
-    for (const std::string& method : names(report.rows, &EqualTimeRow::method)) {
+    for (const EqualTimeRow& one : runs) {
+      if (one.light != run.light) continue;
       std::vector<std::vector<double>> points;
       for (const EqualTimeRow& row : report.rows) {
-        if (row.light == light && row.method == method) points.push_back({row.ms, row.psnr_db});
+        if (are_alike(row, one)) points.push_back({row.ms, row.psnr_db});
       }
-      if (points.empty()) continue;
       const std::string data = "d" + std::to_string(script.text().size());
       script.add_data(data, points);
       plot += (plot.empty() ? "plot $" : ", $") + data +
-              " using 1:2 with linespoints lw 1.5 pt 7 ps 0.5 title " + gnuplot_quote(method);
+              " using 1:2 with linespoints lw 1.5 pt 7 ps 0.5 title " +
+              gnuplot_quote(one.method + ", " + one.against);
     }
     script.add(plot);
     draw_figure(script, folder / picture, figures);
