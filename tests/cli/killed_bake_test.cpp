@@ -157,37 +157,48 @@ class KilledBake : public testing::TestWithParam<Case> {
   std::chrono::duration<double> takes_{};
 };
 
-std::vector<KillPoint> points_of(const std::vector<DiskOperation>& operations) {
-  std::vector<KillPoint> all;
+/// "before fsync".
+std::string name_of(Phase phase, const DiskOperation& operation) {
+  return std::string(to_string(phase)) + " " + operation.kind;
+}
+
+using NamedPoints = std::map<std::string, std::vector<KillPoint>>;
+
+NamedPoints points_of(const std::vector<DiskOperation>& operations) {
+  NamedPoints named;
   for (std::size_t i = 0; i < operations.size(); ++i) {
     for (const Phase phase : {Phase::before, Phase::half, Phase::after}) {
       if (phase == Phase::half && operations[i].kind != "write") continue;
-      all.push_back({.number = static_cast<long>(i), .kind = "", .phase = phase});
+      named[name_of(phase, operations[i])].push_back(
+          {.number = static_cast<long>(i), .kind = "", .phase = phase});
     }
   }
-  return all;
+  std::mt19937 random(20260103);
+  for (auto& [name, points] : named) std::ranges::shuffle(points, random);
+  return named;
 }
 
-/// That many, spread over all, those of the commit among them.
-std::vector<KillPoint> choose(const std::vector<DiskOperation>& operations, int count) {
-  const std::vector<KillPoint> all = points_of(operations);
+/// That many: those of the commit, and of each other name as many, the most telling first.
+std::vector<KillPoint> choose(const std::vector<DiskOperation>& operations, std::size_t count) {
+  NamedPoints named = points_of(operations);
   std::vector<KillPoint> chosen;
-  for (const KillPoint& point : all) {
-    if (operations[static_cast<std::size_t>(point.number)].kind == "commit") {
-      chosen.push_back(point);
+  const auto take = [&](const std::string& name) {
+    auto& points = named[name];
+    if (points.empty() || chosen.size() >= count) return;
+    chosen.push_back(points.back());
+    points.pop_back();
+  };
+  for (std::size_t round = 0; round < operations.size(); ++round) {
+    for (const char* const name :
+         {"before commit", "after commit", "after rename", "half write", "before fsync",
+          "before rename", "after fsync", "before write", "after write"}) {
+      take(name);
     }
-  }
-  const auto others = static_cast<double>(std::max(0, count - static_cast<int>(chosen.size())));
-  for (double i = 0; i < others; ++i) {
-    const double place = (i + 0.5) / others * static_cast<double>(all.size());
-    chosen.push_back(all[static_cast<std::size_t>(place)]);
+    for (const char* const kind : {"open", "remove", "mkdir"}) {
+      for (const Phase phase : {Phase::before, Phase::after}) take(name_of(phase, {kind, ""}));
+    }
   }
   return chosen;
-}
-
-/// "before fsync".
-std::string name_of(const KillPoint& point, const DiskOperation& operation) {
-  return std::string(to_string(point.phase)) + " " + operation.kind;
 }
 
 void expect_every_name(const std::set<std::string>& names) {
@@ -204,7 +215,7 @@ TEST_P(KilledBake, AtNamedOperationsLeavesTheOldBakeOrTheNewOneAndIsResumed) {
   const auto commit = std::ranges::find_if(operations_, is_commit) - operations_.begin();
   std::set<std::string> names;
   int kills = 0;
-  for (KillPoint point : choose(operations_, named)) {
+  for (KillPoint point : choose(operations_, static_cast<std::size_t>(named))) {
     point.loses_power = kills % 2 == 1;
     // Where there is no older bake, all is the same until it would be removed.
     const Before before =
@@ -214,7 +225,7 @@ TEST_P(KilledBake, AtNamedOperationsLeavesTheOldBakeOrTheNewOneAndIsResumed) {
     ASSERT_EQ(result.status, kKilled) << result.errors;
     const auto last = program_.operations();
     ASSERT_EQ(last.size(), 1u);
-    const std::string name = name_of(point, last[0]);
+    const std::string name = name_of(point.phase, last[0]);
     SCOPED_TRACE(name + " " + last[0].name + (point.loses_power ? ", power lost" : ""));
     ASSERT_NO_FATAL_FAILURE(expect_nothing_corrupt(before));
     ASSERT_NO_FATAL_FAILURE(expect_resumes_to_the_same_bytes());
