@@ -6,6 +6,8 @@ const char* to_string(RefusalReason reason) {
   switch (reason) {
     case RefusalReason::malformed:
       return "malformed";
+    case RefusalReason::tls:
+      return "tls";
     case RefusalReason::host:
       return "host";
     case RefusalReason::body:

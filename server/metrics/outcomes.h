@@ -8,6 +8,7 @@ namespace rimlight::server {
 /// is said of it is in the log, for people.
 enum class RefusalReason {
   malformed,          // no HTTP
+  tls,                // no handshake, or none that can be agreed on
   host,               // no Host, more than one, or that of another server
   body,               // where none is taken
   upload,             // of an environment: its length, its name, or what it holds; or too many
@@ -24,6 +25,7 @@ enum class RefusalReason {
   message,            // one that cannot be read, or names what is not there
 };
 inline constexpr std::array kRefusalReasons = {RefusalReason::malformed,
+                                               RefusalReason::tls,
                                                RefusalReason::host,
                                                RefusalReason::body,
                                                RefusalReason::upload,

@@ -68,9 +68,15 @@ net::awaitable<void> HttpSession::run() {
 net::awaitable<bool> HttpSession::shake_hands() {
   const WaitingRoom::Seat seat(site_.waiting, shared_from_this());
   waiting_ = true;
-  const bool speaks = co_await stream_.accept();
+  const beast::error_code error = co_await stream_.accept();
   waiting_ = false;
-  co_return speaks;
+  if (error && !stopping_) {  // else the server has closed it, and counted why
+    constexpr RefusalReason kReason = RefusalReason::tls;
+    metrics_->refused(kReason);
+    log_event(Severity::warning, "handshake_failed",
+              {{"connection", id_}, {"reason", to_string(kReason)}, {"detail", error.message()}});
+  }
+  co_return !error;
 }
 
 net::awaitable<beast::error_code> HttpSession::read_header(HeaderParser& parser,

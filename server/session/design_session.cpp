@@ -49,6 +49,18 @@ DesignSession::~DesignSession() { settings_.metrics->session_closed(); }
 void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_point now,
                          const Visitor& visitor) {
   const std::lock_guard lock(mutex_);
+  try {
+    enter(client, now, visitor);
+  } catch (...) {
+    viewers_.leave(*client);
+    users_.leave(*client);
+    if (viewers_.empty() && (!waiting_ || waiting_->empty())) idle_since_ = now;
+    throw;
+  }
+}
+
+void DesignSession::enter(const std::shared_ptr<Client>& client, Clock::time_point now,
+                          const Visitor& visitor) {
   const SessionUsers::Entered entered = users_.enter(*client, visitor);
   idle_since_.reset();
   using Part = Viewers::Part;
@@ -116,7 +128,7 @@ void DesignSession::apply(const Client& client, const Command& command, Clock::t
   WaitingEdit edit{sender, id_of(command),
                    next_version(base, command, users_.of(client), environments_.names(), at_ms)};
   if (!waiting_) {
-    show(edit, now, now);
+    show(std::move(edit), now, now);
     return;
   }
   waiting_->add(std::move(edit), base, at_ms,
@@ -128,11 +140,11 @@ void DesignSession::apply(const Client& client, const Command& command, Clock::t
 void DesignSession::settle(const std::optional<StoreError>& refusal, Clock::time_point arrived) {
   const std::lock_guard lock(mutex_);
   const auto outcome = refusal ? WaitingEdits::Outcome::refused : WaitingEdits::Outcome::durable;
-  const WaitingEdit edit = waiting_->take(outcome);
+  WaitingEdit edit = waiting_->take(outcome);
   const Clock::time_point now = queue_.now();
   if (viewers_.empty() && waiting_->empty()) idle_since_ = now;
   if (!refusal) {
-    show(edit, arrived, now);
+    show(std::move(edit), arrived, now);
     return;
   }
   settings_.metrics->edit_refused();
@@ -142,12 +154,13 @@ void DesignSession::settle(const std::optional<StoreError>& refusal, Clock::time
   }
 }
 
-void DesignSession::show(const WaitingEdit& edit, Clock::time_point arrived,
-                         Clock::time_point now) {
+/// The version is taken first and without memory: where there is none to tell of it, the session is
+/// still the one that is stored.
+void DesignSession::show(WaitingEdit edit, Clock::time_point arrived, Clock::time_point now) {
+  const bool has_other_snapshots = version_.snapshots != edit.version.snapshots;
+  version_ = std::move(edit.version);
   settings_.metrics->edit_applied();
   if (!viewers_.empty()) ages_.edited(arrived);
-  const bool has_other_snapshots = version_.snapshots != edit.version.snapshots;
-  version_ = edit.version;
   newest_revision_.store(version_.revision.number, std::memory_order_relaxed);
   viewers_.expect(version_.revision);
   last_edit_ = now;

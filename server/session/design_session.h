@@ -94,8 +94,9 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   static constexpr std::int64_t kNone = -1;
 
   // All of these are called with the mutex held.
+  void enter(const std::shared_ptr<Client>& client, Clock::time_point now, const Visitor& visitor);
   void reschedule(Clock::time_point now);
-  void show(const WaitingEdit& edit, Clock::time_point arrived, Clock::time_point now);
+  void show(WaitingEdit edit, Clock::time_point arrived, Clock::time_point now);
   Welcome welcome_for(const SessionUsers::Entered& entered, const Visitor& visitor) const;
   void tell_presence(const Client* except);
   Task begin_task(Clock::time_point now);

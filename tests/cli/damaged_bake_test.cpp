@@ -1,6 +1,6 @@
 // Any byte of a bake that is not as it was written is told, or harms nothing: for every kind of
 // bake and every file of it. All bytes of headers and manifests, and some of the others; all of
-// them with RIMLIGHT_EVERY_BYTE=1 (script/durability).
+// them with RIMLIGHT_EVERY_FAULT=1 (script/durability).
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 /// A prime: of no alignment.
 constexpr std::size_t kStride = 997;
 
-std::size_t stride() { return std::getenv("RIMLIGHT_EVERY_BYTE") == nullptr ? kStride : 1; }
+std::size_t stride() { return std::getenv("RIMLIGHT_EVERY_FAULT") == nullptr ? kStride : 1; }
 
 /// What `rimlight render` shows of a bake of whatever kind.
 std::vector<std::uint8_t> picture_of(const fs::path& folder) {

@@ -1,15 +1,22 @@
 #include "tests/support/allocation_count.h"
 
+#include <atomic>
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 namespace {
 
 thread_local std::size_t count = 0;
 
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+std::atomic<bool> is_failing{false};
+std::atomic<std::int64_t> calls{0}, first_fault{kNever}, last_fault{kNever};
+
 #ifndef RIMLIGHT_THREAD_SANITIZER
 void* try_counted(std::size_t size, std::size_t alignment) noexcept {
   ++count;
+  if (rimlight::test::FailingAllocation::fails_now()) return nullptr;
   const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
   return std::aligned_alloc(alignment, rounded == 0 ? alignment : rounded);
 }
@@ -25,6 +32,22 @@ void* counted(std::size_t size, std::size_t alignment) {
 namespace rimlight::test {
 
 std::size_t allocation_count() { return count; }
+
+FailingAllocation::FailingAllocation(std::int64_t n, Lasting lasting) {
+  calls = 0;
+  first_fault = n;
+  last_fault = lasting == Lasting::once ? n : kNever;
+  is_failing = true;
+}
+FailingAllocation::~FailingAllocation() { is_failing = false; }
+
+std::int64_t FailingAllocation::allocations() { return calls; }
+
+bool FailingAllocation::fails_now() noexcept {
+  if (!is_failing.load(std::memory_order_relaxed)) return false;
+  const std::int64_t n = calls++;
+  return n >= first_fault && n <= last_fault;
+}
 
 }  // namespace rimlight::test
 
