@@ -1,18 +1,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 #include <memory>
 #include <optional>
-#include <random>
 #include <string>
-#include <thread>
-#include <utility>
 #include <vector>
 
 #include "cli/command.h"
-#include "cli/load_client.h"
 #include "cli/load_report.h"
+#include "cli/load_run.h"
 #include "cli/number_range.h"
 #include "core/base/error.h"
 #include "core/base/files.h"
@@ -41,24 +37,6 @@ struct LoadOptions {
   double slow_kBps = 0;
   bool json = false;
 };
-
-/// The script of one client. Clients of a shared session play it together, taking turns, so that
-/// the session sees it once.
-LoadScript part_of(const LoadScript& script, const LoadOptions& options, std::size_t client) {
-  if (!options.shared_session) return script;
-  LoadScript part;
-  const bool has_slow = options.slow_kBps > 0 && options.clients > 1;
-  const auto editors = static_cast<std::size_t>(options.clients - (has_slow ? 1 : 0));
-  for (std::size_t i = client; client < editors && i < script.edits.size(); i += editors) {
-    part.edits.push_back(script.edits[i]);
-  }
-  return part;
-}
-
-/// Each run uses sessions of its own: a session that was edited before would start elsewhere.
-std::string session_name(const std::string& run, const LoadOptions& options, std::size_t client) {
-  return options.shared_session ? run : run + "-" + std::to_string(client);
-}
 
 /// What all clients play together, and for how long.
 struct Plan {
@@ -94,48 +72,22 @@ StreamPass pass_of(const LoadOptions& options) {
   return pass;
 }
 
-std::vector<LoadRecord> play_all(const LoadOptions& options) {
-  const Plan plan = plan_of(options);
-  const StreamPass pass = pass_of(options);
-  const std::string run = "load-" + std::to_string(std::random_device{}());
-  const auto count = static_cast<std::size_t>(options.clients);
-  const auto start = std::chrono::steady_clock::now() + std::chrono::milliseconds(300);
-  std::vector<LoadRecord> records(count);
-  std::vector<std::exception_ptr> failures(count);
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t i = 0; i < count; ++i) {
-      threads.emplace_back([&, i] {
-        try {
-          const LoadClientSettings settings{parse_stream_url(options.url),
-                                            pass,
-                                            session_name(run, options, i),
-                                            options.scene,
-                                            start,
-                                            plan.seconds,
-                                            10,
-                                            codec_of(options),
-                                            i + 1 == count ? options.slow_kBps : 0};
-          records[i] = play(settings, part_of(plan.script, options, i));
-        } catch (...) {
-          failures[i] = std::current_exception();
-        }
-      });
-    }
-  }
-  for (const std::exception_ptr& failure : failures) {
-    if (failure) std::rethrow_exception(failure);
-  }
-  return records;
-}
-
 int load(LoadOptions options) {
   if (!options.bake.empty() && options.scene.empty()) {
     options.scene = server::scene_name(options.bake);
   }
   VertexSettings vertices;
   if (!options.window.empty()) vertices.window = parse_window(options.window, "--window");
-  const std::vector<LoadRecord> records = play_all(options);
+  const Plan plan = plan_of(options);
+  const std::vector<LoadRecord> records = play_run({.url = parse_stream_url(options.url),
+                                                    .pass = pass_of(options),
+                                                    .scene = options.scene,
+                                                    .script = plan.script,
+                                                    .seconds = plan.seconds,
+                                                    .clients = options.clients,
+                                                    .shared_session = options.shared_session,
+                                                    .codec = codec_of(options),
+                                                    .slow_kBps = options.slow_kBps});
   const bool is_default = options.script.empty() && options.sequence.empty();
   LoadReport report =
       summarize(records, is_default ? ScriptKind::every_edit_changes : ScriptKind::any);

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "cli/command.h"
+#include "cli/version.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
-#include "core/image/vp8_codec.h"
 
 namespace {
 
@@ -20,8 +20,7 @@ constexpr int kWrongUsage = 2;
 int run(int argc, char** argv) {
   CLI::App program("Bakes a scene's light transport once and relights it at once, again and again.",
                    "rimlight");
-  program.set_version_flag(
-      "--version", std::string(RIMLIGHT_VERSION) + (rimlight::has_vp8() ? "" : " without VP8"));
+  program.set_version_flag("--version", rimlight::version());
   program.require_subcommand(1);
   program.footer(
       "A first picture:\n"

@@ -1,17 +1,14 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "cli/progress_bar.h"
 #include "cli/report_experiments.h"
 #include "cli/report_sources.h"
-#include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/report/adaptive_sh_report.h"
+#include "core/report/report_sections.h"
 #include "core/scene/default_scene.h"
 
 namespace rimlight {
@@ -24,28 +21,6 @@ struct Options {
   AdaptiveShSettings settings;
 };
 
-/// A table on standard error.
-void print_rows(const std::vector<AdaptiveShRow>& rows) {
-  std::fprintf(stderr, "%-12s %-14s %6s %8s %9s %5s  %-11s %9s %8s %7s %9s %8s %8s\n", "mesh",
-               "light", "degree", "visible", "full fps", "peak", "policy", "fps", "speedup", "PSNR",
-               "diffuse", "specular", "flicker");
-  for (const AdaptiveShRow& row : rows) {
-    std::fprintf(
-        stderr, "%-12s %-14s %6d %8zu %9.1f %5.2f  %-11s %9.1f %8.2f %7.2f %8.0f%% %7.0f%% %8.4f\n",
-        row.mesh.c_str(), row.light.c_str(), row.degree, row.visible, row.fps_full,
-        row.full_of_peak, row.policy.c_str(), row.fps_adaptive, row.speedup, row.psnr_db,
-        100 * row.filtered_diffuse, 100 * row.filtered_specular, row.flicker);
-  }
-  const auto slow = std::ranges::count_if(
-      rows, [](const AdaptiveShRow& row) { return !(row.full_of_peak >= kLeastFullOfPeak); });
-  if (slow > 0) {
-    std::fprintf(stderr,
-                 "rimlight report: in %td rows the full calculation is below %.0f %% of peak: no "
-                 "measure, their speed-up is left out of the report\n",
-                 slow, 100 * kLeastFullOfPeak);
-  }
-}
-
 int run(Options options) {
   if (options.report.threads > 0) set_thread_count(options.report.threads);
   const Scene builtin = default_scene();
@@ -55,9 +30,6 @@ int run(Options options) {
   for (const std::string& light : options.lights) {
     options.settings.lights.push_back(find_light(light));
   }
-  std::error_code failure;
-  std::filesystem::create_directories(options.report.output, failure);
-  if (failure) throw Error(options.report.output, failure.message(), "a folder to write to");
   std::vector<AdaptiveShRow> rows;
   {
     ProgressBar bar("adaptive products");
@@ -65,11 +37,8 @@ int run(Options options) {
       bar.show(stage, share);
     });
   }
-  print_rows(rows);
-  publish(
-      to_json(rows),
-      [&rows](const std::filesystem::path& folder) { return draw_figures(rows, folder); },
-      options.report);
+  MeasuredReport all = measured(std::move(rows));
+  publish(all, options.report);
   return 0;
 }
 

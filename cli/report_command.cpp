@@ -14,14 +14,6 @@ namespace {
 
 constexpr std::size_t kReferenceReceivers = 8192;
 
-/// The output folder, made if need be.
-std::filesystem::path make_folder(const ReportOptions& options) {
-  std::error_code failure;
-  std::filesystem::create_directories(options.output, failure);
-  if (failure) throw Error(options.output, failure.message(), "a folder to write to");
-  return options.output;
-}
-
 }  // namespace
 
 void add_output_options(CLI::App& command, ReportOptions& options) {
@@ -44,30 +36,48 @@ std::unique_ptr<const Bake> open_bake(const ReportOptions& options) {
   if (options.threads > 0) set_thread_count(options.threads);
   const std::filesystem::path source(options.scene);
   if (source.extension() != ".json") return std::make_unique<const Bake>(source);
-  Scene read = read_scene(source);
-  // What follows curves needs no rows to measure against: its exact image is summed anew.
-  const bool of_curves = read.bake.kind == BakeKind::brdf_curve;
-  if (!of_curves) read.bake.reference_receivers = kReferenceReceivers;
-  const auto scene = std::make_shared<const Scene>(std::move(read));
-  const auto folder = make_folder(options) / (source.stem().string() + ".bake");
-  ProgressBar bar("baking " + scene->name);
-  const auto bake = of_curves ? bake_curves : bake_image;
-  bake(scene, folder, [&bar](const BakeProgress& progress) {
-    bar.show(progress.stage, progress.fraction, !progress.resumed);
-  });
-  return std::make_unique<const Bake>(folder);
+  return bake_for_report(read_scene(source), options.output, source.stem().string()).bake;
 }
 
-void publish(const nlohmann::json& report,
-             const std::function<Figures(const std::filesystem::path& folder)>& draw,
-             const ReportOptions& options) {
-  write_report(report, options.output);
-  const Figures figures = draw(options.output);
+ReportedBake bake_for_report(Scene scene, const std::filesystem::path& folder,
+                             const std::string& name,
+                             const std::function<void(const BakeProgress&)>& progress) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) throw Error(folder.string(), failure.message(), "a folder to write to");
+  // What follows curves needs no rows to measure against: its exact image is summed anew.
+  const bool of_curves = scene.bake.kind == BakeKind::brdf_curve;
+  if (!of_curves) scene.bake.reference_receivers = kReferenceReceivers;
+  const auto path = folder / (name + ".bake");
+  const auto bake = of_curves ? bake_curves : bake_image;
+  const BakeSummary summary = bake(std::make_shared<const Scene>(std::move(scene)), path, progress);
+  return {std::make_unique<const Bake>(path), summary};
+}
+
+ReportedBake bake_for_report(Scene scene, const std::filesystem::path& folder,
+                             const std::string& name) {
+  ProgressBar bar("baking " + scene.name);
+  return bake_for_report(std::move(scene), folder, name, [&bar](const BakeProgress& progress) {
+    bar.show(progress.stage, progress.fraction, !progress.resumed);
+  });
+}
+
+void publish(MeasuredReport& report, const ReportOptions& options) {
+  ReportSection& section = report.section;
+  for (const std::string& remark : section.remarks) {
+    std::fprintf(stderr, "rimlight report: %s\n", remark.c_str());
+  }
+  for (const Table& table : section.tables) {
+    std::fprintf(stderr, "%s\n", to_text(table).c_str());
+  }
+  write_report(report.json, options.output);
+  const Figures figures = report.draw(options.output);
   if (figures.pictures.size() < figures.scripts.size()) {
     std::fprintf(stderr, "rimlight report: gnuplot is not installed: %zu scripts, no pictures\n",
                  figures.scripts.size());
   }
-  if (options.json) std::printf("%s\n", report.dump().c_str());
+  section.pictures = figures.pictures;
+  if (options.json) std::printf("%s\n", report.json.dump().c_str());
 }
 
 void add_report_command(CLI::App& app, Action& chosen) {
@@ -75,8 +85,13 @@ void add_report_command(CLI::App& app, Action& chosen) {
       app.add_subcommand("report", "Run an experiment on a bake; write its numbers and figures");
   command->require_subcommand(1);
   add_adaptive_sh_report(*command, chosen);
+
+  add_all_report(*command, chosen);
   add_brdf_edit_report(*command, chosen);
+  add_codecs_report(*command, chosen);
+  add_equal_time_report(*command, chosen);
   add_error_vs_time_report(*command, chosen);
+  add_serving_report(*command, chosen);
   add_sh_policies_report(*command, chosen);
   add_storage_report(*command, chosen);
 }

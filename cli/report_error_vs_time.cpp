@@ -1,6 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -8,12 +7,12 @@
 
 #include "cli/progress_bar.h"
 #include "cli/report_experiments.h"
+#include "cli/report_sources.h"
 #include "core/base/error.h"
 #include "core/light/light_sequence_source.h"
 #include "core/report/error_vs_time_json.h"
 #include "core/report/figures.h"
-#include "core/report/report_files.h"
-#include "core/report/run_summary.h"
+#include "core/report/report_sections.h"
 
 namespace rimlight {
 namespace {
@@ -25,22 +24,6 @@ struct Options {
   std::vector<std::string> policies;
   int frames = 0;
 };
-
-/// An environment of the bake, one made by code, or a file.
-std::shared_ptr<const Environment> find_light(const Bake& bake, const std::string& name) {
-  for (const BakedEnvironment& one : bake.environments()) {
-    if (one.environment->name() == name) return one.environment;
-  }
-  if (std::ranges::count(builtin_environment_names(), name) > 0) {
-    return std::make_shared<const Environment>(builtin_environment(name));
-  }
-  const std::filesystem::path file(name);
-  if (file.has_extension()) return std::make_shared<const Environment>(load_environment(file));
-  std::string names;
-  for (const auto& one : bake.environments()) names += " " + quote(one.environment->name());
-  throw Error("--light", quote(name),
-              "one of" + names + ", a built-in environment, or a .hdr or .exr file");
-}
 
 ErrorVsTimeSettings settings_of(const Options& options, const Bake& bake) {
   ErrorVsTimeSettings settings;
@@ -57,17 +40,6 @@ ErrorVsTimeSettings settings_of(const Options& options, const Bake& bake) {
   return settings;
 }
 
-/// A table on standard error.
-void print_summary(const ErrorVsTimeReport& report) {
-  std::fprintf(stderr, "%-12s %-18s %8s %9s %8s   %s\n", "light", "policy", "ms", "L2 error",
-               "PSNR dB", "still: L2 error");
-  for (const RunSummary& run : summarize_runs(report.rows)) {
-    std::fprintf(stderr, "%-12s %-18s %8.2f %9.4f %8.2f   %.4f\n", run.light.c_str(),
-                 run.run.c_str(), run.moving.median_ms, run.moving.relative_l2, run.moving.psnr_db,
-                 run.still.relative_l2);
-  }
-}
-
 int run(const Options& options) {
   const std::unique_ptr<const Bake> opened = open_bake(options.report);
   const Bake& bake = *opened;
@@ -78,17 +50,8 @@ int run(const Options& options) {
     report = measure_error_vs_time(
         bake, settings, [&bar](const std::string& stage, double share) { bar.show(stage, share); });
   }
-  if (!report.has_reference_rows) {
-    std::fprintf(stderr,
-                 "rimlight report: %s has no reference rows (bake --reference): errors are "
-                 "against the stored transport, without compression's\n",
-                 bake.folder().c_str());
-  }
-  print_summary(report);
-  const auto draw = [&report](const std::filesystem::path& folder) {
-    return draw_figures(report, folder);
-  };
-  publish(to_json(report), draw, options.report);
+  MeasuredReport all = measured(std::move(report));
+  publish(all, options.report);
   return 0;
 }
 

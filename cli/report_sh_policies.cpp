@@ -1,7 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cstdio>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,7 +8,7 @@
 #include "cli/report_sources.h"
 #include "core/base/parallel.h"
 #include "core/light/light_sequence_source.h"
-#include "core/report/sh_policies.h"
+#include "core/report/report_sections.h"
 #include "core/scene/default_scene.h"
 
 namespace rimlight {
@@ -25,32 +22,6 @@ struct Options {
   int degree = 19;
   int frames = 0;
 };
-
-/// Means over the frames in motion, on standard error.
-void print_means(const std::vector<ShPolicyRow>& rows) {
-  struct Sums {
-    double error = 0, jump = 0, ms = 0;
-    int count = 0;
-  };
-  std::map<std::string, Sums> by_run;
-  for (const ShPolicyRow& row : rows) {
-    if (!row.moving) continue;
-    char name[256];
-    std::snprintf(name, sizeof name, "%-12s %-12s %-12s", row.mesh.c_str(), row.light.c_str(),
-                  row.run.c_str());
-    Sums& sums = by_run[name];
-    sums.error += row.relative_l2;
-    sums.jump = std::max(sums.jump, row.largest_jump);
-    sums.ms += row.ms;
-    ++sums.count;
-  }
-  std::fprintf(stderr, "%-12s %-12s %-12s %10s %14s %8s\n", "mesh", "light", "run", "error",
-               "largest jump", "ms");
-  for (const auto& [name, sums] : by_run) {
-    std::fprintf(stderr, "%s %10.5f %14.4f %8.3f\n", name.c_str(), sums.error / sums.count,
-                 sums.jump, sums.ms / sums.count);
-  }
-}
 
 int run(const Options& options) {
   if (options.report.threads > 0) set_thread_count(options.report.threads);
@@ -71,11 +42,8 @@ int run(const Options& options) {
       }
     }
   }
-  print_means(rows);
-  publish(
-      to_json(rows),
-      [&rows](const std::filesystem::path& folder) { return draw_figures(rows, folder); },
-      options.report);
+  MeasuredReport all = measured(std::move(rows));
+  publish(all, options.report);
   return 0;
 }
 

@@ -41,7 +41,16 @@ std::shared_ptr<const Environment> find_light(const std::string& name) {
   }
   const std::filesystem::path file(name);
   if (file.has_extension()) return std::make_shared<const Environment>(load_environment(file));
-  throw Error("--light", quote(name), "a built-in environment, or a .hdr or .exr file");
+  std::string names;
+  for (const std::string& one : builtin_environment_names()) names += " " + quote(one);
+  throw Error("--light", quote(name), "one of" + names + ", or a .hdr or .exr file");
+}
+
+std::shared_ptr<const Environment> find_light(const Bake& bake, const std::string& name) {
+  for (const BakedEnvironment& one : bake.environments()) {
+    if (one.environment->name() == name) return one.environment;
+  }
+  return find_light(name);
 }
 
 }  // namespace rimlight

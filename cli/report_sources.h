@@ -8,6 +8,7 @@
 #include "core/light/environment.h"
 #include "core/report/lit_mesh.h"
 #include "core/scene/scene.h"
+#include "core/transport/bake_folder.h"
 
 namespace rimlight {
 
@@ -21,5 +22,7 @@ void add_source_options(CLI::App& command, std::vector<std::string>& meshes,
 NamedMesh find_mesh(const std::string& name, const Scene& builtin);
 /// A built-in environment, or a file.
 std::shared_ptr<const Environment> find_light(const std::string& name);
+/// The same, or before them an environment of the bake.
+std::shared_ptr<const Environment> find_light(const Bake& bake, const std::string& name);
 
 }  // namespace rimlight

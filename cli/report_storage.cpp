@@ -1,7 +1,6 @@
-#include <cstdio>
-
 #include "cli/progress_bar.h"
 #include "cli/report_experiments.h"
+#include "core/report/report_sections.h"
 #include "core/report/storage_report.h"
 
 namespace rimlight {
@@ -15,17 +14,8 @@ int run(const ReportOptions& options) {
     comparison = compare_storage(
         *bake, [&bar](double share) { bar.show("pruning the reference rows", share); });
   }
-  std::fprintf(stderr,
-               "%s: %.0f bytes a receiver, %.2f dB under its worst check light (%s); float CSR of "
-               "that error: %.0f bytes, %.2f times as many\n",
-               comparison.scene.c_str(), comparison.stored.bytes_per_receiver,
-               comparison.stored.worst_psnr_db, comparison.stored.worst_light.c_str(),
-               comparison.csr_bytes_at_stored_error,
-               comparison.csr_bytes_at_stored_error / comparison.stored.bytes_per_receiver);
-  const auto draw = [&comparison](const std::filesystem::path& folder) {
-    return draw_figures(comparison, folder);
-  };
-  publish(to_json(comparison), draw, options);
+  MeasuredReport all = measured(std::move(comparison));
+  publish(all, options);
   return 0;
 }
 

@@ -20,6 +20,8 @@ class MeasuredReceivers {
   explicit MeasuredReceivers(const Bake& bake);
 
   std::size_t count() const { return receivers_.size(); }
+  /// Numbers in the bake: [count()], ascending.
+  std::span<const std::size_t> indices() const { return receivers_; }
   /// Whether reference() is the uncompressed transport's.
   bool has_rows() const { return rows_.has_value(); }
 

@@ -68,7 +68,10 @@ test('the page decodes VP8 to nearly the exact picture, and JPEG where it is ask
     assert.ok(moving.length > 5, `${moving.length} frames`);
     assert.ok(moving.every((header) => header.codec === expected || header.frame < first + 2), name);
     if (expected === 'vp8') {
-      assert.equal(moving.filter((header) => header.key).length, 1, 'one key frame');
+      // A slow machine may climb the ladder: each rung's stream begins with a key frame.
+      const keys = moving.filter((header) => header.key).length;
+      const begun = moving.filter((header, i) => i === 0 || header.rung !== moving[i - 1].rung).length;
+      assert.ok(keys >= 1 && keys <= begun, `${keys} key frames, ${begun} streams begun`);
       assert.match(await page.evaluate(() => window.drawn.at(-2).kind), /VideoFrame/);
     }
     found[name] = await page.evaluate(() => window.psnrOfLastTwo());
