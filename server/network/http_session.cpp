@@ -219,7 +219,7 @@ net::awaitable<void> HttpSession::upgrade(Request request) {
 net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& target,
                                           const Access& access) {
   connection_ = std::make_shared<Connection>(std::move(stream_), site_.settings, access, id_);
-  const Visitor visitor{access.name, access.role, target.resume, target.seen};
+  const Visitor visitor{access.name, access.role, target.resume, target.seen, target.parts};
   std::shared_ptr<DesignSession> session =
       site_.sessions.join_open(target.session, target.scene, connection_, Clock::now(), visitor);
   std::optional<Refusal> refusal;

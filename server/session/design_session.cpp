@@ -52,7 +52,8 @@ void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_poin
   const SessionUsers::Entered entered = users_.enter(*client, visitor);
   idle_since_.reset();
   using Part = Viewers::Part;
-  viewers_.join(client, visitor.role < Role::editor ? Part::watches : Part::edits);
+  viewers_.join(client, visitor.role < Role::editor ? Part::watches : Part::edits,
+                {.parts = visitor.parts});
   client->send_text(write_welcome(welcome_for(entered, visitor)));
   tell_presence(client.get());
   if (exact_revision_ == version_.revision.number) {

@@ -44,6 +44,8 @@ EncodedPtr FrameMaker::encode(const EncodeOrder& order) {
   auto frame = std::make_shared<EncodedFrame>();
   frame->order = order;
   frame->header = header_;
+  frame->is_preview = header_.exact && order.rung;
+  frame->header.exact = header_.exact && !order.rung;
   frame->payload = compress(order, frame->header);
   frame->made = queue_.now();
   frame->header.encode_ms = std::chrono::duration<double, std::milli>(frame->made - start).count();

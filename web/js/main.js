@@ -29,10 +29,10 @@ const resume = new Resume(window.sessionStorage, session, scene);
 /** ws://HOST/sessions/NAME/stream?scene=NAME, from this page's own ?session=…&scene=…. */
 function streamUrl() {
   const protocol = window.location.protocol === 'https:' ? 'wss:' : 'ws:';
-  const query = new URLSearchParams(resume.query);
+  const query = new URLSearchParams({ ...resume.query, parts: 1 });
   if (scene) query.set('scene', scene);
   if (token) query.set('token', token); // a browser's WebSocket has no headers to set
-  return `${protocol}//${window.location.host}${sessionPath}/stream${String(query) ? `?${query}` : ''}`;
+  return `${protocol}//${window.location.host}${sessionPath}/stream?${query}`;
 }
 
 /** The session's state as a file. */
