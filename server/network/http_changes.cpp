@@ -1,8 +1,10 @@
 // Changes of sessions by HTTP: an uploaded environment is deleted, a whole state is imported.
 
 #include <boost/asio/co_spawn.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/string.hpp>
+#include <chrono>
 #include <future>
 #include <nlohmann/json.hpp>
 #include <utility>

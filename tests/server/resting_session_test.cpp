@@ -6,6 +6,7 @@
 namespace rimlight::server {
 namespace {
 
+using std::chrono::milliseconds;
 using test::DesignSessionTest;
 
 class RestingSession : public DesignSessionTest {};
