@@ -64,6 +64,8 @@ const char* to_string(CloseReason reason) {
       return "token_expired";
     case CloseReason::server_stopped:
       return "server_stopped";
+    case CloseReason::session_deleted:
+      return "session_deleted";
   }
   return "unknown";
 }

@@ -55,6 +55,7 @@ enum class CloseReason {
   edits_unstored,     // its edits wait for the disk too long
   token_expired,
   server_stopped,
+  session_deleted,  // by one of its owners
 };
 inline constexpr std::array kCloseReasons = {
     CloseReason::client_closed,     CloseReason::client_lost,
@@ -62,7 +63,7 @@ inline constexpr std::array kCloseReasons = {
     CloseReason::message_too_large, CloseReason::not_utf8,
     CloseReason::too_many_messages, CloseReason::not_reading,
     CloseReason::edits_unstored,    CloseReason::token_expired,
-    CloseReason::server_stopped};
+    CloseReason::server_stopped,    CloseReason::session_deleted};
 const char* to_string(CloseReason reason);
 
 }  // namespace rimlight::server

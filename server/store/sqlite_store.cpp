@@ -46,14 +46,28 @@ std::optional<StoredSession> SqliteStore::load(const std::string& scene,
 
 void SqliteStore::append(StoredEdit edit, Answer answer) {
   const std::size_t bytes = bytes_of(edit);
+  take({std::move(edit), std::move(answer), bytes});
+}
+
+void SqliteStore::remove(const std::string& scene, const std::string& session, Answer answer) {
+  StoredEdit whole;
+  whole.scene = scene;
+  whole.session = session;
+  Waiting waiting{std::move(whole), std::move(answer), sizeof(StoredEdit)};
+  waiting.deletes = true;
+  take(std::move(waiting));
+}
+
+void SqliteStore::take(Waiting waiting) {
   {
     const std::lock_guard lock(mutex_);
     if (doubt_) throw StoreError(**doubt_);
+    const std::size_t bytes = waiting.bytes;
     if (waiting_ >= most_waiting_ || waiting_bytes_ + bytes > most_waiting_bytes_) {
       throw StoreError(file_, std::to_string(waiting_) + " edits that wait for the disk",
                        "fewer: send it again later");
     }
-    queue_.push_back({std::move(edit), std::move(answer), bytes, Clock::now()});
+    queue_.push_back(std::move(waiting));  // first: it may find no memory
     ++waiting_;
     waiting_bytes_ += bytes;
     metrics_->edits_waiting(waiting_, waiting_bytes_);
@@ -97,6 +111,10 @@ SqliteStore::Commit SqliteStore::write(Batch& batch) {
   try {
     tables_.begin();
     for (Waiting& waiting : batch) {
+      if (waiting.deletes) {
+        (void)tables_.erase(waiting.edit.scene, waiting.edit.session);
+        continue;
+      }
       if (tables_.append(waiting.edit)) continue;
       waiting.refusal = std::make_shared<const std::optional<StoreError>>(
           StoreError(file_, "an edit of a revision that is not the session's",

@@ -31,6 +31,7 @@ class SqliteStore final : public SessionStore {
 
   std::optional<StoredSession> load(const std::string& scene, const std::string& session) override;
   void append(StoredEdit edit, Answer answer) override;
+  void remove(const std::string& scene, const std::string& session, Answer answer) override;
   [[nodiscard]] bool drain(std::chrono::milliseconds most) override;
   /// The last commit failed, a few seconds ago at most; or one takes seconds.
   std::optional<std::string> trouble() const override;
@@ -49,11 +50,13 @@ class SqliteStore final : public SessionStore {
     std::size_t bytes = 0;
     Clock::time_point came = Clock::now();
     Refusal refusal = {};
+    bool deletes = false;  // the whole session
   };
   using Batch = std::deque<Waiting>;
   enum class Commit { kept, failed, in_doubt };
 
   void run(const std::stop_token& stop);
+  void take(Waiting waiting);
   Commit write(Batch& batch);
   Commit refuse(Batch& batch, const Refusal& refusal, Commit result);
   bool resolve_doubt(const std::stop_token& stop);
