@@ -14,7 +14,7 @@ namespace rimlight {
 struct StabilityTrial {
   bool fast = false;              // fewer and smaller trials, for test suites
   bool broken = false;            // disturbs what it measures, so that it must fail
-  std::size_t edits = 100'000;    // of the cases about drift
+  std::size_t edits = 1'000'000;  // of the cases about drift
   std::size_t turns = 1'000'000;  // of the cases about composed rotations
 
   /// What differs where a case is to be broken.

@@ -15,7 +15,7 @@ namespace {
 constexpr int kSize = 4;
 
 std::size_t edit_count(const StabilityTrial& trial) {
-  return trial.fast ? std::max<std::size_t>(1, trial.edits / 20) : trial.edits;
+  return trial.fast ? std::max<std::size_t>(1, trial.edits / 200) : trial.edits;
 }
 
 double relative_l2(std::span<const float> values, std::span<const float> reference) {

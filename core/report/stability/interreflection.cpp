@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/bake/vertex_bounces.h"
 #include "core/bake/vertex_sh_bake.h"
 #include "core/report/stability/cases.h"
 #include "core/report/stability/small_scenes.h"
@@ -35,8 +36,9 @@ std::string percent(double share) {
 
 /// The mean radiance of the vertices, by the bake's own rays and bounces.
 StabilityMeasure at_vertices(const Cavity& cavity, const StabilityTrial& trial) {
-  const auto scene = open_sphere(cavity.open, cavity.albedo, BakeKind::vertex_sh);
-  scene->bake.vertex.most_rays = trial.fast ? 1024 : 4096;
+  const auto scene =
+      open_sphere({cavity.open, cavity.albedo, BakeKind::vertex_sh, trial.fast ? 32 : 64});
+  scene->bake.vertex.most_rays = trial.fast ? 512 : 4096;
   if (trial.broken) scene->materials[0].brdf.albedo *= 0.97f;
   const PreparedVertices prepared = prepare_vertices(*scene);
   const CalculatedVertices found = calculate_vertices(*scene, prepared, {});
@@ -53,7 +55,7 @@ StabilityMeasure at_vertices(const Cavity& cavity, const StabilityTrial& trial) 
 
 /// The mean radiance of an image's pixels, against as many reflections as its paths have.
 StabilityMeasure in_pixels(const Cavity& cavity, const StabilityTrial& trial) {
-  const auto scene = open_sphere(cavity.open, cavity.albedo, BakeKind::image_haar);
+  const auto scene = open_sphere({.open = cavity.open, .albedo = cavity.albedo});
   scene->bake.bounces = 64;
   if (trial.fast) scene->bake.primary_rays = 4;
   if (trial.broken) scene->materials[0].brdf.albedo *= 0.95f;
@@ -64,6 +66,26 @@ StabilityMeasure in_pixels(const Cavity& cavity, const StabilityTrial& trial) {
   const double mean = sum / static_cast<double>(picture.size());
   return {std::abs(mean / (cavity.radiance() * (1 - left)) - 1),
           "64 bounces leave out " + percent(left)};
+}
+
+/// One surface that sees nothing but itself and a pinhole: the terms are too few, and what is left
+/// is what the bake says is left.
+StabilityMeasure pinhole(const StabilityTrial& trial) {
+  constexpr double kOpen = 1e-4;
+  constexpr float kAlbedo = 0.9999f;
+  const GatherMatrix matrix{{0, 1}, {0}, {static_cast<float>(1 - kOpen)}};
+  VertexMesh mesh;
+  mesh.positions.resize(1);
+  mesh.materials.resize(1);
+  const std::vector<Material> materials(1);
+  const std::vector<float> albedo = {kAlbedo};
+  std::vector<float> light = {1};
+  const Bounces bounces =
+      add_bounces(matrix, albedo, SubsurfaceSpread(mesh, materials), 0, 1, 1e-3, light);
+  const double whole = 1 / (1 - double{kAlbedo} * double{matrix.weight[0]});
+  const double said = bounces.left * trial.either(1.0, 0.5);
+  return {(whole - double{light[0]}) / said,
+          std::to_string(bounces.count) + " bounces leave " + percent(said / whole)};
 }
 
 using Measure = StabilityMeasure (*)(const Cavity&, const StabilityTrial&);
@@ -91,6 +113,9 @@ std::vector<StabilityCase> interreflection_cases() {
       make_case("vertices-albedo-0.99", at_vertices, {0.1, 0.99f}, vertices),
       make_case("vertices-albedo-0.9999", at_vertices, {0.1, 0.9999f}, vertices),
       make_case("vertices-narrow-opening", at_vertices, {0.01, 0.9999f}, vertices),
+      {"pinhole", "interreflection",
+       "what a series that did not end lacks, over what it says it lacks", BoundKind::at_most, 1.01,
+       "the end of a geometric series; sums of 4,096 floats", pinhole},
       make_case("pixels-albedo-0.99", in_pixels, {0.1, 0.99f}, pixels),
       make_case("pixels-albedo-0.9999", in_pixels, {0.1, 0.9999f}, pixels),
       make_case("pixels-narrow-opening", in_pixels, {0.02, 0.9999f}, pixels),

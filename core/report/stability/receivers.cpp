@@ -19,13 +19,6 @@
 namespace rimlight::stability {
 namespace {
 
-CubeLight coefficients_of(const CubeLight& texels) {
-  CubeLight light(texels.size), scratch = texels;
-  const CubeHaar haar(texels.size);
-  for (int c = 0; c < 3; ++c) haar.forward(scratch.channel(c), light.channel(c));
-  return light;
-}
-
 /// A bake of a picture of one pixel, opened and lit, against the transport that it was made of.
 StabilityMeasure one_pixel(const StabilityTrial& trial) {
   const auto scene = still_life();

@@ -129,8 +129,8 @@ StabilityMeasure half_turn_of_texels(const StabilityTrial& trial) {
   return {worst};
 }
 
-/// Y_lm(−x, −y, z) = (−1)^m Y_lm; about y, (−1)^(l+m) for cosines and (−1)^(l+m+1) for sines; about
-/// x, (−1)^l and (−1)^(l+1).
+/// Y_lm(−x, −y, z) = (−1)^m Y_lm; about y, (−1)^l for cosines and (−1)^(l+1) for sines; about x,
+/// (−1)^(l+m) and (−1)^(l+m+1).
 StabilityMeasure half_turn_of_harmonics(const StabilityTrial& trial) {
   constexpr int kDegree = sh::kLargestLightDegree;
   const std::vector<double> source = random_coefficients(kDegree, 4);
@@ -144,7 +144,7 @@ StabilityMeasure half_turn_of_harmonics(const StabilityTrial& trial) {
     for (int l = 0; l <= kDegree; ++l) {
       for (int m = -l; m <= l; ++m) {
         const int sine = m < 0 ? 1 : 0;
-        const int flips = axis == 2 ? m : axis == 1 ? l + m + sine : l + sine;
+        const int flips = axis == 2 ? m : axis == 1 ? l + sine : l + m + sine;
         expected[sh::index(l, m)] = (flips % 2 == 0 ? 1 : -1) * source[sh::index(l, m)];
       }
     }

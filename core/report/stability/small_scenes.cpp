@@ -8,10 +8,10 @@
 #include <system_error>
 #include <utility>
 
-#include "core/bake/direct_transport.h"
-#include "core/bake/indirect_transport.h"
+#include "core/bake/group_baker.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/basis/cube_haar.h"
 #include "core/math/random.h"
 #include "core/scene/shapes.h"
 #include "core/transport/receivers.h"
@@ -29,17 +29,16 @@ Environment grey_sky() {
   return Environment("sky", std::move(image));
 }
 
-/// A group's radiance under a light, lane by lane.
-void add_radiance(const GroupRows& rows, const GroupSamples& samples, const CubeLight& light,
-                  std::vector<Vec3f>& radiance) {
+/// A group's radiance under a light's coefficients, lane by lane.
+void add_radiance(const BakedGroup& group, const CubeLight& light, std::vector<Vec3f>& radiance) {
   for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
-    if (!(samples.coverage(lane) > 0)) continue;
+    if (!(group.coverage[lane] > 0)) continue;
     Vec3d sum;
-    for (std::size_t texel = 0; texel < light.count(); ++texel) {
-      const Vec3f of_light = light.at(texel);
+    for (std::size_t j = 0; j < light.count(); ++j) {
+      const Vec3f coefficient = light.at(j);
       for (int c = 0; c < 3; ++c) {
         const std::size_t at = static_cast<std::size_t>(c) * kGroupLanes + lane;
-        sum[c] += double{of_light[c]} * double{rows.row(texel)[at]};
+        sum[c] += double{coefficient[c]} * double{group.coefficients.row(j)[at]};
       }
     }
     radiance.push_back(Vec3f(sum));
@@ -80,26 +79,25 @@ std::shared_ptr<Scene> still_life(double scale) {
   return scene;
 }
 
-std::shared_ptr<Scene> open_sphere(double open, float albedo, BakeKind kind) {
+std::shared_ptr<Scene> open_sphere(const OpenSphere& settings) {
   auto scene = std::make_shared<Scene>();
   scene->name = "open sphere";
-  scene->materials = {matte(albedo)};
-  constexpr int kSegments = 64;
+  scene->materials = {matte(settings.albedo)};
   // A cap is as large a part of a sphere as of its height.
-  const double first = std::acos(1 - 2 * open);
+  const double first = std::acos(1 - 2 * settings.open);
   std::vector<ProfilePoint> profile;
-  constexpr int kRings = kSegments / 2;
-  for (int ring = 0; ring <= kRings; ++ring) {
-    const double angle = first + (std::numbers::pi - first) * ring / kRings;
-    profile.push_back({ring == kRings ? 0 : std::sin(angle), std::cos(angle)});
+  const int rings = settings.segments / 2;
+  for (int ring = 0; ring <= rings; ++ring) {
+    const double angle = first + (std::numbers::pi - first) * ring / rings;
+    profile.push_back({ring == rings ? 0 : std::sin(angle), std::cos(angle)});
   }
-  scene->meshes = {lathe(profile, kSegments)};  // walked downward: normals look inside
-  if (kind != BakeKind::vertex_sh) scene->meshes[0].normals.clear();
+  scene->meshes = {lathe(profile, settings.segments)};  // walked downward: normals look inside
+  if (settings.kind != BakeKind::vertex_sh) scene->meshes[0].normals.clear();
   scene->camera.position = {0, 0, 0};
   scene->camera.target = {0.3, -1, 0.2};
   scene->camera.vertical_field_of_view_degrees = 60;
   scene->environments = {grey_sky()};
-  scene->bake.kind = kind;
+  scene->bake.kind = settings.kind;
   scene->bake.width = scene->bake.height = 16;
   scene->bake.cube_size = 8;
   scene->bake.primary_rays = 8;
@@ -111,26 +109,25 @@ std::shared_ptr<Scene> open_sphere(double open, float albedo, BakeKind kind) {
 
 std::vector<Vec3f> picture_of(const std::shared_ptr<const Scene>& scene, const CubeLight& light) {
   const RayScene rays(scene);
-  const BakeSettings& bake = scene->bake;
-  const DirectTransport direct(rays, bake.cube_size);
-  IndirectSettings settings;
-  settings.cube_size = bake.cube_size;
-  settings.bounces = bake.bounces;
-  const IndirectTransport indirect(rays, settings);
-  const PixelLayout layout{bake.width, bake.height};
-  std::vector<std::vector<Vec3f>> parts(layout.receiver_count() / kGroupLanes);
-  parallel_for(parts.size(), [&](std::size_t group) {
-    GroupSamples samples;
-    sample_group(rays, layout, group * kGroupLanes, bake.primary_rays, bake.seed, samples);
-    if (samples.empty()) return;
-    GroupRows rows(bake.cube_size);
-    direct.add(samples, group, rows);
-    indirect.add(samples, group, rows);
-    add_radiance(rows, samples, light, parts[group]);
+  const GroupBaker baker(rays);
+  const CubeLight coefficients = coefficients_of(light);
+  const std::size_t groups = baker.layout().receiver_count() / kGroupLanes;
+  std::vector<std::vector<Vec3f>> parts(groups);
+  parallel_for(groups, [&](std::size_t i) {
+    BakedGroup group(baker.cube_size());
+    baker.find_rows(i * kGroupLanes, group);
+    if (!group.empty) add_radiance(group, coefficients, parts[i]);
   });
   std::vector<Vec3f> radiance;
   for (const auto& part : parts) radiance.insert(radiance.end(), part.begin(), part.end());
   return radiance;
+}
+
+CubeLight coefficients_of(const CubeLight& texels) {
+  CubeLight light(texels.size), scratch = texels;
+  const CubeHaar haar(texels.size);
+  for (int c = 0; c < 3; ++c) haar.forward(scratch.channel(c), light.channel(c));
+  return light;
 }
 
 CubeLight uniform_sky(int size) {

@@ -97,7 +97,7 @@ double storage_error(const std::vector<float>& planes, float step, float disturb
     }
   }
   for (std::size_t i = 0; i < planes.size(); ++i) {
-    const double most = std::max(0.5 * double{step}, std::abs(double{planes[i]}) * 0x1p-23);
+    const double most = 0.5 * double{step} + std::abs(double{planes[i]}) * 0x1p-23;
     worst = std::max(worst, std::abs(stored[i] - double{planes[i]}) / most);
   }
   return worst;
@@ -184,8 +184,7 @@ std::vector<StabilityCase> storage_cases() {
        at_most, 1.001, half + "; and that of the value itself to a float", dark_vertices},
       {"steps-over-16-decades", part,
        "error of ±1e-8 … 1e8 in steps of 1e-6, 1e-3 and 1, over what is promised", at_most, 1.001,
-       "half a step, or 2⁻²³ where the step does not reach; the step itself is a float",
-       steps_over_16_decades},
+       "half a step, and 2⁻²³ of the number: floats count the steps", steps_over_16_decades},
       {"ends-of-widths", part, "error where 4, 8 and 16 bits end, over half a step", at_most, 0,
        "whole multiples of a step are held exactly", ends_of_widths},
       {"displayed-levels", part, "of 256 grey levels, those that are not the same after sRGB",
