@@ -72,11 +72,11 @@ DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
   return task;
 }
 
-void DesignSession::work(Clock::time_point now) noexcept {
+void DesignSession::work(Clock::time_point) noexcept {
   Task task;
   {
     const std::lock_guard lock(mutex_);
-    task = begin_task(now);
+    task = begin_task(queue_.now());  // an edit may have come since the queue looked at the clock
   }
   if (task.kind != Work::none) {
     try {

@@ -285,6 +285,16 @@ TEST_F(DesignSessionTest, AViewThatFramesDoNotShowIsKeptAndTheFramesSaySo) {
   EXPECT_EQ(client->last().unshown, std::vector<std::string>{"the moved camera"});
 }
 
+TEST_F(DesignSessionTest, AnEditThatComesAfterTheQueueLookedAtTheClockWaitedForNothing) {
+  const auto client = join();
+  work();
+  acknowledge(*client);
+  edit(*client, 10);
+  session->work(now - milliseconds(2));
+  ASSERT_EQ(client->last().revision.number, 1);
+  EXPECT_EQ(client->last().queue_ms, 0);
+}
+
 TEST_F(DesignSessionTest, AnEditThatMakesTheStateTooLargeIsRefusedWhole) {
   const auto client = join();
   Edit change;
