@@ -107,7 +107,8 @@ StabilityMeasure overspent(std::size_t amount, const StabilityTrial& trial) {
     for (const auto unit : {Budget::Unit::coefficients, Budget::Unit::bytes}) {
       MovingImage image(policy);
       // What the plan may take, and what it is then held to.
-      const double beyond = image.step({unit, amount + trial.either(0, 100'000)});
+      const double beyond =
+          image.step({unit, amount + trial.either(std::size_t{0}, std::size_t{100'000})});
       worst = std::max(worst, beyond + trial.either(0.0, 100'000.0));
     }
   }
@@ -135,6 +136,44 @@ StabilityMeasure one_by_one(const StabilityTrial& trial) {
     worst = std::max(worst, image.error(trial.either(1.0f, 1.0001f)));
   }
   return {worst};
+}
+
+/// Columns of a plan for lights 2^exponent times as bright.
+std::vector<std::uint32_t> planned(const char* policy, Budget::Unit unit, int exponent) {
+  const CubeHaar haar(8);
+  CubeLight target(8), held(8);
+  Random random(3);
+  for (CubeLight* const light : {&target, &held}) {
+    for (float& value : light->values) {
+      value = std::ldexp(static_cast<float>(random.uniform(-1, 1)), exponent);
+    }
+  }
+  std::vector<float> norms(target.values.size());
+  for (float& norm : norms) norm = static_cast<float>(std::pow(10, random.uniform(-8, 0)));
+  std::vector<std::uint32_t> bytes(target.count());
+  for (std::uint32_t& size : bytes) size = 1 + static_cast<std::uint32_t>(random.below(40));
+  const Budget budget{unit, unit == Budget::Unit::bytes ? std::size_t{200} : std::size_t{20}};
+  PlanWorkspace workspace;
+  UpdatePlan plan;
+  make_policy(parse_policy(policy, "policy"))
+      ->make_plan({haar, target, held, budget, norms, bytes, 60}, workspace, plan);
+  std::vector<std::uint32_t> columns;
+  for (const ColumnDelta& delta : plan.columns) columns.push_back(delta.column);
+  return columns;
+}
+
+/// How many plans are others when light is counted in another unit.
+StabilityMeasure plans_at_any_scale(const StabilityTrial& trial) {
+  int different = 0;
+  for (const char* const policy : kPolicies) {
+    for (const auto unit : {Budget::Unit::coefficients, Budget::Unit::bytes}) {
+      for (const int exponent : {-100, -80, -60, -30, 30, 60, 80, 100}) {
+        const char* const other = trial.broken ? "linear" : policy;
+        different += planned(other, unit, exponent) == planned(policy, unit, 0) ? 0 : 1;
+      }
+    }
+  }
+  return {static_cast<double>(different)};
 }
 
 /// Deadlines that have passed before they begin: frames until the light is the target, and what is
@@ -175,6 +214,8 @@ std::vector<StabilityCase> budgets_cases() {
        1e-5, rounding, everything},
       {"one-column-a-frame", part, "relative L2 against the exact image when all columns have come",
        at_most, 1e-5, rounding, one_by_one},
+      {"plans-at-any-scale", part, "plans that are others for light 2⁻¹⁰⁰ … 2¹⁰⁰ times as bright",
+       at_most, 0, "a power of two changes no digit of any sum", plans_at_any_scale},
       {"deadline-of-nothing", part, "columns added in the emptiest of 20 frames", at_least, 1,
        "however short the time, at least one column is applied", no_time},
   };

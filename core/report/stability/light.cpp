@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/error.h"
 #include "core/basis/cube_haar.h"
 #include "core/light/environment.h"
 #include "core/light/light_rotation.h"
@@ -178,6 +179,28 @@ StabilityMeasure haar_range(const StabilityTrial& trial) {
   return {worst / *std::ranges::max_element(truth)};
 }
 
+/// The brightest environment that is taken, over a whole cube map of 512 texels a side; and how
+/// many brighter ones are taken too.
+StabilityMeasure brightest(const StabilityTrial& trial) {
+  const int size = trial.fast ? 128 : 512;
+  LightRotator rotator(
+      Environment("bright", grey_image([](int, int) { return 1e32; })).project(size));
+  CubeLight turned;
+  rotator.rotate(axis_angle({1, 2, 3}, 1), turned);
+  std::vector<float> coefficients(turned.count());
+  CubeHaar(size).forward(turned.channel(0), coefficients);
+  double faults = 0;
+  for (const float value : coefficients) faults += std::isfinite(value) ? 0 : 1;
+  for (const double radiance : {2e32, 1e37, 3e38, trial.either(1e38, 1e32)}) {
+    try {
+      static_cast<void>(Environment("brighter", grey_image([&](int, int) { return radiance; })));
+      ++faults;
+    } catch (const Error&) {
+    }
+  }
+  return {faults};
+}
+
 }  // namespace
 
 std::vector<StabilityCase> light_cases() {
@@ -202,6 +225,10 @@ std::vector<StabilityCase> light_cases() {
        "largest coefficient beside the scaling ones, relative to these", at_most, 0x1p-19,
        "5 levels of sums of floats, each rounded to 2⁻²⁴; the projection's texels to 2⁻²²",
        uniform_coefficients},
+      {"brightest-radiance", part,
+       "coefficients of 1e32 everywhere that are no numbers, and brighter lights that were taken",
+       at_most, 0, "sums over a face of 512² texels stay within floats: 1e32 · 512 of 3.4e38",
+       brightest},
       {"haar-range", part,
        "error of 16 decades through the Haar transform and back, over the largest value", at_most,
        40 * 0x1p-24, "2 · 4 log₂ N = 40 roundings to 2⁻²⁴", haar_range},
