@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <regex>
 #include <thread>
 
@@ -95,6 +96,8 @@ TEST(Metrics, SayWhatTheProcessUses) {
   const MetricsText text = read(metrics);
   EXPECT_NEAR(text.at("process_resident_memory_bytes") - before, static_cast<double>(more.size()),
               8e6);
+  // Looked at, or a compiler may leave it out.
+  EXPECT_EQ(std::ranges::count(more, 'x'), static_cast<std::ptrdiff_t>(more.size()));
   EXPECT_GT(text.at("process_open_fds"), 2);
   EXPECT_GT(text.at("process_cpu_seconds_total"), 0);
   const double now =
