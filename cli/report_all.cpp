@@ -147,6 +147,11 @@ class AllExperiments {
       plan_scene(std::make_shared<const Scene>(sized_default_scene(options_.minutes)), "default");
     }
     plan_meshes();
+    plan("Stability", 3, options_.report.output, [this](const Progress& progress) {
+      StabilitySettings settings;
+      settings.trial.fast = is_short();
+      return measured(measure_stability(settings, progress));
+    });
     shares_.begin();
     for (const Planned& one : planned_) run(one);
     write_page();

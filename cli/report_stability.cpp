@@ -3,11 +3,13 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/progress_bar.h"
 #include "cli/report_experiments.h"
 #include "core/base/parallel.h"
+#include "core/report/report_sections.h"
 #include "core/report/stability.h"
 
 namespace rimlight {
@@ -31,30 +33,6 @@ int print_list() {
   return 0;
 }
 
-/// A table on standard error.
-void print_rows(const std::vector<StabilityRow>& rows) {
-  std::fprintf(stderr, "%-16s %-30s %11s    %-10s %8s\n", "part", "case", "measured", "bound",
-               "seconds");
-  for (const StabilityRow& row : rows) {
-    std::fprintf(stderr, "%-16s %-30s %11.3g %s %-10.3g %8.2f%s%s%s\n", row.of->part.c_str(),
-                 row.of->name.c_str(), row.measured.value,
-                 row.of->kind == BoundKind::at_most ? "<=" : ">=", row.of->bound, row.seconds,
-                 row.pass ? "" : "  FAILED", row.measured.note.empty() ? "" : "  ",
-                 row.measured.note.c_str());
-  }
-}
-
-/// What failed, with what was expected and why.
-void explain_failures(const std::vector<StabilityRow>& rows) {
-  for (const StabilityRow& row : rows) {
-    if (row.pass) continue;
-    std::fprintf(stderr, "rimlight report: %s: %s: found %.6g, expected %s %.6g (%s)\n",
-                 row.of->name.c_str(), row.of->quantity.c_str(), row.measured.value,
-                 row.of->kind == BoundKind::at_most ? "at most" : "at least", row.of->bound,
-                 row.of->why.c_str());
-  }
-}
-
 int run(const Options& options) {
   if (options.list) return print_list();
   if (options.report.threads > 0) set_thread_count(options.report.threads);
@@ -64,11 +42,10 @@ int run(const Options& options) {
     rows = measure_stability(
         options.settings, [&bar](const std::string& name, double share) { bar.show(name, share); });
   }
-  print_rows(rows);
-  explain_failures(rows);
-  publish(
-      to_json(rows), [](const std::filesystem::path&) { return Figures{}; }, options.report);
-  return std::ranges::all_of(rows, &StabilityRow::pass) ? 0 : 1;
+  const bool all_pass = std::ranges::all_of(rows, &StabilityRow::pass);
+  MeasuredReport all = measured(std::move(rows));
+  publish(all, options.report);
+  return all_pass ? 0 : 1;
 }
 
 }  // namespace

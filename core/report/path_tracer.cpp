@@ -204,7 +204,7 @@ void PathTracer::add_pass(std::uint64_t seed, std::uint64_t pass, RgbImage& sum)
 }
 
 PathTracer::PathTracer(const RayScene& scene, const CubeLight& texels, int bounces)
-    : scene_(scene), texels_(texels), sampler_(texels), bounces_(bounces) {
+    : scene_(scene), sampler_(texels), bounces_(bounces) {
   RIMLIGHT_CHECK(bounces >= 0);
 }
 

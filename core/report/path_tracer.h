@@ -52,7 +52,6 @@ class PathTracer {
   class Tile;
 
   const RayScene& scene_;
-  const CubeLight& texels_;
   TexelSampler sampler_;
   int bounces_;
 };

@@ -122,4 +122,6 @@ json to_json(std::span<const StabilityRow> rows) {
           {"failed", failed}};
 }
 
+Figures draw_figures(std::span<const StabilityRow>, const std::filesystem::path&) { return {}; }
+
 }  // namespace rimlight

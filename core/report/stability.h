@@ -2,11 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "core/report/gnuplot.h"
 
 namespace rimlight {
 
@@ -74,5 +77,7 @@ bool keeps_bound(const StabilityCase& of, double value);
 
 /// The report: its rows, and how many failed.
 nlohmann::json to_json(std::span<const StabilityRow> rows);
+/// None: a case is one number.
+Figures draw_figures(std::span<const StabilityRow> rows, const std::filesystem::path& folder);
 
 }  // namespace rimlight
