@@ -213,7 +213,7 @@ class AllExperiments {
       (void)scene->baked();
       return measured(measure_codecs(scene->bake, kPictures, progress));
     });
-    plan("Serving", 2, scene->folder, [this, scene](const Progress& progress) {
+    plan("Serving", 4, scene->folder, [this, scene](const Progress& progress) {
       // Four crowds, and what it takes until the last exact frames have come.
       const double seconds = std::clamp(shares_.share_seconds() / 8, 1.0, kMostServingSeconds);
       return measured(measure_serving(scene->baked().folder(), seconds, progress));

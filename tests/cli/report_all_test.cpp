@@ -62,7 +62,7 @@ TEST(ReportAll, WritesOnePageOfAllThatItMeasured) {
     "bake": { "width": 32, "height": 32, "cube_size": 8, "bounces": 1 } })";
   const auto result =
       run_program({"report", "all", (folder / "ball.json").string(), "-o",
-                   (folder / "report").string(), "--minutes", "1", "--light", "studio"});
+                   (folder / "report").string(), "--minutes", "2", "--light", "studio"});
   ASSERT_EQ(result.status, 0) << result.errors;
   const auto written = folder / "report" / "ball";
   for (const char* const name :

@@ -11,9 +11,7 @@
 #include <new>
 #include <vector>
 
-#include "server/session/session_registry.h"
 #include "server/store/sqlite_store.h"
-#include "tests/server/design_session_case.h"
 #include "tests/server/faulty_disk.h"
 #include "tests/server/sqlite_memory.h"
 #include "tests/server/stored_edits.h"
@@ -28,7 +26,6 @@ namespace fs = std::filesystem;
 using rimlight::test::FailingAllocation;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-using test::KeepingClient;
 using test::numbered_edit;
 using Lasting = FailingAllocation::Lasting;
 
@@ -181,113 +178,11 @@ TEST_P(ShortMemory, WhileAStoreIsOpenedIsToldAndLeavesItWhole) {
   EXPECT_GT(refused, 20);
 }
 
-/// A session with a history, in a store; opened, edited and told under short memory.
-class SessionInShortMemory : public ShortMemory {
- protected:
-  struct Run {
-    std::unique_ptr<SqliteStore> store;
-    std::unique_ptr<SessionRegistry> registry;
-    std::shared_ptr<KeepingClient> client = std::make_shared<KeepingClient>();
-    std::shared_ptr<DesignSession> session;
-  };
-  Run start() {
-    Run run;
-    run.store = std::make_unique<SqliteStore>(settings);
-    run.registry =
-        std::make_unique<SessionRegistry>(scenes, queue, RegistrySettings{}, run.store.get());
-    return run;
-  }
-  void join(Run& run) { run.session = run.registry->join("a", "", run.client, Clock::now()); }
-  static Edit exposure(double stops) {
-    Edit edit;
-    edit.id = "e";
-    edit.exposure_stops = stops;
-    return edit;
-  }
-  /// As a restart finds it.
-  void expect_exposure(double stops) {
-    Run run = start();
-    join(run);
-    ASSERT_EQ(run.client->texts.at(0)["state"]["exposure"], stops);
-  }
-
-  RenderQueue queue;
-  const SceneCatalog scenes{[] {
-    std::vector<ServedScene> served;
-    served.push_back(test::sphere_scene("sphere", 8, 8));
-    return served;
-  }()};
-};
-
-TEST_P(SessionInShortMemory, IsOpenedAndEditedOrNotAndGoesOn) {
-  {
-    Run run = start();
-    join(run);
-    for (const double stops : {1.0, 2.0})
-      run.session->apply(*run.client, exposure(stops), Clock::now());
-    ASSERT_TRUE(run.store->drain(seconds(10)));
-  }
-  for (const char* const ending : {"", "-wal"}) {
-    if (fs::exists(settings.file.string() + ending)) {
-      fs::copy(settings.file.string() + ending, (folder / "kept.sqlite").string() + ending);
-    }
-  }
-  int not_opened = 0, not_edited = 0, edited = 0;
-  bool reached_end = false;
-  for (std::int64_t n = 0; !reached_end; n += stride() / 4 + 1) {
-    SCOPED_TRACE("allocation " + std::to_string(n));
-    remove_store();
-    for (const char* const ending : {"", "-wal"}) {
-      const std::string kept = (folder / "kept.sqlite").string() + ending;
-      if (fs::exists(kept)) fs::copy(kept, settings.file.string() + ending);
-    }
-    Run run = start();
-    bool opened = false, taken = false;
-    {
-      const Edit third = exposure(3);
-      const FailingAllocation failing(n, GetParam());
-      opened = succeeds([&] { join(run); });
-      if (opened) taken = succeeds([&] { run.session->apply(*run.client, third, Clock::now()); });
-      const milliseconds most = GetParam() == Lasting::once ? milliseconds(seconds(10)) : kNoAnswer;
-      const bool drained = run.store->drain(most);
-      reached_end = FailingAllocation::allocations() <= n;
-      if (GetParam() == Lasting::once && !drained) ADD_FAILURE() << "an edit waits for ever";
-    }
-    ASSERT_TRUE(run.store->drain(seconds(10)));
-    // With memory again: the session stands where the store does.
-    const auto stored = run.store->load("sphere", "a");
-    ASSERT_TRUE(stored.has_value());
-    const bool is_new = stored->revision.number == 3;
-    ASSERT_TRUE(is_new || stored->revision.number == 2);
-    ASSERT_TRUE(taken || !is_new) << "an edit that was refused is stored";
-    if (!opened) run.client = std::make_shared<KeepingClient>();
-    if (!opened) join(run);
-    ASSERT_EQ(nlohmann::json::parse(run.session->export_state())["state"]["exposure"],
-              is_new ? 3.0 : 2.0);
-    run.session->apply(*run.client, exposure(4), Clock::now());
-    ASSERT_TRUE(run.store->drain(seconds(10)));
-    ASSERT_EQ(run.client->texts.back()["type"], "ack") << run.client->texts.back();
-    run.session->leave(*run.client, Clock::now());
-    EXPECT_TRUE(run.session->idle_since().has_value()) << "who is gone is still counted";
-    run.session.reset();
-    run.registry.reset();
-    run.store.reset();
-    ASSERT_NO_FATAL_FAILURE(expect_exposure(4));
-    (!opened ? not_opened : is_new ? edited : not_edited) += 1;
-  }
-  std::printf("of the failed allocations %d left it closed, %d unedited, %d edited\n", not_opened,
-              not_edited, edited);
-  EXPECT_GT(not_opened, 20);
-  EXPECT_GT(not_edited, 5);
-  EXPECT_GT(edited, 0);
-}
-
 const auto kLastings = testing::Values(Lasting::once, Lasting::from_then_on);
 const auto kName = [](const auto& tested) {
   return std::string(tested.param == Lasting::once ? "Once" : "FromThenOn");
 };
 INSTANTIATE_TEST_SUITE_P(Allocations, ShortMemory, kLastings, kName);
-INSTANTIATE_TEST_SUITE_P(Allocations, SessionInShortMemory, kLastings, kName);
 
 }  // namespace
 }  // namespace rimlight::server
