@@ -117,18 +117,22 @@ net::awaitable<Response> HttpSession::respond_to_removal(const Request& request)
     }
     const auto remove = [&sessions = site_.sessions, target] {
       const auto session = sessions.open(target.session, target.scene);
-      if (session && session->environments().find_uploaded(target.environment)) {
-        sessions.remove_environment(*session, target.environment);
-        return http::status::ok;
-      }
-      return session ? http::status::not_found : http::status::service_unavailable;
+      if (!session) return http::status::service_unavailable;
+      if (!session->environments().find_uploaded(target.environment))
+        return http::status::not_found;
+      sessions.remove_environment(*session, target.environment);
+      return http::status::ok;
     };
     const http::status status = co_await on_disk_thread(site_, remove);
     if (status == http::status::ok) {
       const nlohmann::json answer{{"environment", target.environment}};
       co_return json_body(request, status, answer.dump());
     }
-    const Refusal fault{status, "there is no such uploaded environment", RefusalReason::not_found};
+    const bool is_full = status == http::status::service_unavailable;
+    const Refusal fault{status,
+                        is_full ? "the server has no place for another session; try again later"
+                                : "there is no such uploaded environment",
+                        is_full ? RefusalReason::too_many_sessions : RefusalReason::not_found};
     refusal = refuse(request, fault);
   } catch (const StoreError& error) {
     const Refusal fault = of(http::status::service_unavailable, RefusalReason::store, error);

@@ -2,6 +2,7 @@
 // loaded: the old state or the new one is there afterwards, as its edit was answered, nothing waits
 // for ever, and where there is memory again all goes on.
 #include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
 
 #include <array>
 #include <atomic>
@@ -51,6 +52,9 @@ bool succeeds(const Action& action) {
 
 class ShortMemory : public testing::TestWithParam<Lasting> {
  protected:
+  // The program has its log before it has a store.
+  ShortMemory() { (void)spdlog::default_logger_raw(); }
+
   void remove_store() const {
     for (const char* const ending : {"", "-wal", "-journal"}) {
       fs::remove(settings.file.string() + ending);
