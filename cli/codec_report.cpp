@@ -193,7 +193,7 @@ Figures draw_figures(const CodecReport& report, const std::filesystem::path& fol
   GnuplotScript script("codecs.png");
   script.add("set title " + gnuplot_quote("Frames of " + report.scene + ", " + report.light));
   script.add("set xlabel \"bytes a frame\"\nset logscale x\nset key bottom right");
-  script.add("set ylabel \"PSNR as displayed, dB\"\nset yrange [:60]");
+  script.add("set ylabel \"PSNR as displayed, dB\"");
   std::string plot;
   for (const std::string codec : {"vp8", "jpeg"}) {
     std::vector<std::vector<double>> points;

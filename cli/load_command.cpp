@@ -126,8 +126,9 @@ void add_load_command(CLI::App& app, Action& chosen) {
       ->check(CLI::IsMember({"jpeg", "vp8"}))
       ->capture_default_str();
   command
-      ->add_option("--slow-kBps", options->slow_kBps,
-                   "The last client only watches, and takes so many kB a second")
+      ->add_option(
+          "--slow-kBps", options->slow_kBps,
+          "The last client only watches (a single one edits), and takes so many kB a second")
       ->check(number_range(1, 1e6));
   command->add_option("--scene", options->scene, "The scene to open [the server's default]");
   command->add_option("--bake", options->bake,

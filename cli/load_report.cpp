@@ -72,6 +72,9 @@ LoadReport::Slow slow_of(const LoadRecord& record) {
   LoadReport::Slow slow;
   slow.frames_per_second = static_cast<double>(record.frames) / record.motion_seconds;
   slow.rungs = record.rungs;
+  std::vector<double> latencies = record.latencies_ms;
+  slow.latency_p50_ms = percentile(latencies, 0.50);
+  slow.latency_p99_ms = percentile(latencies, 0.99);
   return slow;
 }
 
@@ -95,7 +98,9 @@ nlohmann::json rungs_to_json(const RungCounts& rungs) {
 
 nlohmann::json slow_to_json(const std::optional<LoadReport::Slow>& slow) {
   if (!slow) return nullptr;
-  return {{"frames_per_second", slow->frames_per_second}, {"rungs", rungs_to_json(slow->rungs)}};
+  return {{"frames_per_second", slow->frames_per_second},
+          {"latency_ms", {{"p50", slow->latency_p50_ms}, {"p99", slow->latency_p99_ms}}},
+          {"rungs", rungs_to_json(slow->rungs)}};
 }
 
 std::string rungs_to_text(const RungCounts& rungs) {
@@ -204,7 +209,9 @@ std::string LoadReport::to_text() const {
   std::snprintf(line, sizeof line, "exact %.0f ms after the last edit\n", exact_after_ms);
   text += line;
   if (slow) {
-    std::snprintf(line, sizeof line, "the slow client: %.1f frames/s\n", slow->frames_per_second);
+    std::snprintf(line, sizeof line,
+                  "the slow client: %.1f frames/s, latency p50 %.1f ms, p99 %.1f ms\n",
+                  slow->frames_per_second, slow->latency_p50_ms, slow->latency_p99_ms);
     text += line + rungs_to_text(slow->rungs);
   }
   for (const LoadCheck& check : checks) {

@@ -30,6 +30,7 @@ struct LoadReport {
   /// Of the client on a narrow link alone, which is in none of the numbers above.
   struct Slow {
     double frames_per_second = 0;
+    double latency_p50_ms = 0, latency_p99_ms = 0;  // of its own edits
     RungCounts rungs;
   };
   std::optional<Slow> slow;

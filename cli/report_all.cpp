@@ -147,6 +147,11 @@ class AllExperiments {
       plan_scene(std::make_shared<const Scene>(sized_default_scene(options_.minutes)), "default");
     }
     plan_meshes();
+    plan("Stability", 3, options_.report.output, [this](const Progress& progress) {
+      StabilitySettings settings;
+      settings.trial.fast = is_short();
+      return measured(measure_stability(settings, progress));
+    });
     shares_.begin();
     for (const Planned& one : planned_) run(one);
     write_page();
@@ -208,7 +213,7 @@ class AllExperiments {
       (void)scene->baked();
       return measured(measure_codecs(scene->bake, kPictures, progress));
     });
-    plan("Serving", 2, scene->folder, [this, scene](const Progress& progress) {
+    plan("Serving", 4, scene->folder, [this, scene](const Progress& progress) {
       // Four crowds, and what it takes until the last exact frames have come.
       const double seconds = std::clamp(shares_.share_seconds() / 8, 1.0, kMostServingSeconds);
       return measured(measure_serving(scene->baked().folder(), seconds, progress));

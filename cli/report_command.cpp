@@ -93,6 +93,7 @@ void add_report_command(CLI::App& app, Action& chosen) {
   add_error_vs_time_report(*command, chosen);
   add_serving_report(*command, chosen);
   add_sh_policies_report(*command, chosen);
+  add_stability_report(*command, chosen);
   add_storage_report(*command, chosen);
 }
 

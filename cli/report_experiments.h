@@ -76,6 +76,7 @@ void add_equal_time_report(CLI::App& report, Action& chosen);
 void add_error_vs_time_report(CLI::App& report, Action& chosen);
 void add_serving_report(CLI::App& report, Action& chosen);
 void add_sh_policies_report(CLI::App& report, Action& chosen);
+void add_stability_report(CLI::App& report, Action& chosen);
 void add_storage_report(CLI::App& report, Action& chosen);
 
 }  // namespace rimlight

@@ -156,8 +156,12 @@ std::shared_ptr<server::ServerMetrics> count_all(ServeConfig& config) {
 std::unique_ptr<server::EnvironmentFolder> open_uploads(const ServeConfig& config) {
   constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
   if (config.store.empty()) return nullptr;
-  return std::make_unique<server::EnvironmentFolder>(config.store.string() + ".environments",
-                                                     kMostBytes);
+  auto uploads = std::make_unique<server::EnvironmentFolder>(
+      config.store.string() + ".environments", kMostBytes);
+  if (const std::size_t count = uploads->collect(); count > 0) {
+    spdlog::info("{} uploaded environments that no session has are deleted", count);
+  }
+  return uploads;
 }
 
 int serve(const ServeOptions& options) {

@@ -8,6 +8,7 @@
 
 #include "cli/command.h"
 #include "core/base/error.h"
+#include "server/store/environment_folder.h"
 #include "server/store/session_tables.h"
 
 namespace rimlight {
@@ -61,6 +62,10 @@ int remove(const SessionsOptions& options) {
     throw Error(options.store, "no session " + quote(options.name) + " of " + quote(options.scene),
                 "one that `rimlight sessions list` names");
   }
+  const std::string uploads = options.store + ".environments";
+  if (std::filesystem::is_directory(uploads)) {
+    server::EnvironmentFolder(uploads, 0).remove_all(options.scene, options.name);
+  }
   return 0;
 }
 
@@ -76,7 +81,7 @@ void add_sessions_command(CLI::App& app, Action& chosen) {
   all->add_flag("--json", options->json, "Print {\"sessions\": […]}");
   all->callback([options, &chosen] { chosen = [options] { return list(*options); }; });
   CLI::App* const one = command->add_subcommand(
-      "delete", "Delete a session for good, with its history and snapshots");
+      "delete", "Delete a session for good, with its history, snapshots and uploads");
   one->add_option("store", options->store, "The file of `serve --store`")->required();
   one->add_option("scene", options->scene, "The session's scene")->required();
   one->add_option("name", options->name, "Its name")->required();

@@ -8,9 +8,6 @@
 namespace rimlight {
 namespace {
 
-/// With q ≤ 0.99 a term is below 1e-17 of the first by then.
-constexpr int kMostBounces = 4096;
-
 /// The largest row sum of G ρ.
 double largest_gain(const GatherMatrix& matrix, std::span<const float> albedo) {
   double largest = 0;

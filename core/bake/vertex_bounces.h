@@ -11,9 +11,13 @@ namespace rimlight {
 
 /// What a vertex reflects to others is at most this, so that light between surfaces comes to an
 /// end.
-inline constexpr float kMostBouncedAlbedo = 0.99f;
+inline constexpr float kMostBouncedAlbedo = 0.9999f;
 
-/// What vertices reflect to each other, [vertex]: tint · albedo + highlight, at most 0.99 a
+/// Terms of a series. Light inside a sphere with an opening of f of its surface falls by 1 − f from
+/// one to the next: so many leave 2 % for an f of 0.1 %, and say so.
+inline constexpr int kMostBounces = 4096;
+
+/// What vertices reflect to each other, [vertex]: tint · albedo + highlight, at most that a
 /// channel. A highlight's light counts as evenly spread.
 std::vector<Vec3f> bounced_albedo(const VertexMesh& mesh,
                                   std::span<const VertexMaterial> materials);
@@ -26,8 +30,8 @@ std::vector<Vec3f> bounced_albedo(const VertexMesh& mesh,
 /// until what is left of it is below `error`, in rms of any vertex' coefficients: bounded by the
 /// last term · q/(1 − q), q the largest row sum of G ρ (S makes no light).
 struct Bounces {
-  int count = 0;    // terms summed
-  double left = 0;  // the bound on what is left
+  int count = 0;    // terms summed, kMostBounces at most
+  double left = 0;  // the bound on what is left: above `error` where the terms were too few
 };
 
 /// `irradiance` [vertex][coefficients]: D, replaced by E. An empty matrix leaves S D.

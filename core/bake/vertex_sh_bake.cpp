@@ -141,7 +141,9 @@ class VertexCalculation {
       const Bounces bounces = add_bounces(
           matrix != nullptr ? *matrix : none, channel_of(albedo, static_cast<int>(c)), spread,
           static_cast<int>(c), coefficients_, kBouncesShare * settings_.error, channels[c]);
-      if (matrix != nullptr) measured()["bounces"].push_back(bounces.count);
+      if (matrix == nullptr) continue;
+      measured()["bounces"].push_back(bounces.count);
+      measured()["bounces_left"].push_back(bounces.left);
     }
     report("bouncing light", 1);
     result_.transport.visibility = std::move(found.visibility);

@@ -67,15 +67,25 @@ void check_sides(const std::string& name, const RgbImage& image, EnvironmentLayo
   }
 }
 
+/// Sums of 512 texels of a face, and of those times transport, stay within floats.
+constexpr float kLargestRadiance = 1e32f;
+
+bool is_radiance(const Vec3f& pixel) {
+  for (int c = 0; c < 3; ++c) {
+    if (!(pixel[c] >= 0 && pixel[c] <= kLargestRadiance)) return false;
+  }
+  return true;
+}
+
 void check_radiance(const std::string& name, const RgbImage& image) {
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     const Vec3f& pixel = image.pixels[i];
-    if (is_finite(pixel) && pixel.x >= 0 && pixel.y >= 0 && pixel.z >= 0) continue;
+    if (is_radiance(pixel)) continue;
     const auto width = static_cast<std::size_t>(image.width);
     throw Error(
         name + ": pixel (" + std::to_string(i % width) + ", " + std::to_string(i / width) + ")",
         std::to_string(pixel.x) + " " + std::to_string(pixel.y) + " " + std::to_string(pixel.z),
-        "a finite radiance of at least 0");
+        "a finite radiance of at least 0, at most 1e32");
   }
 }
 

@@ -33,8 +33,8 @@ enum class EnvironmentLayout { automatic, lat_long, angular_map, cube };
 class Environment {
  public:
   /// `automatic` decides by the sides: 1:1 angular map; 4:3, 3:4, 6:1, 1:6 cube; else lat-long.
-  /// Throws Error (naming `name`) when the layout does not fit the sides, or a radiance is negative
-  /// or not finite (naming its pixel).
+  /// Throws Error (naming `name`) when the layout does not fit the sides, or a radiance is
+  /// negative, not finite or above 1e32 (naming its pixel).
   Environment(std::string name, RgbImage image,
               EnvironmentLayout layout = EnvironmentLayout::automatic);
 

@@ -122,7 +122,8 @@ Vec3d logarithm(const Vec3d& value) {
   return result;
 }
 
-Solution solve(const std::vector<Sample>& samples) {
+/// The solution, and the condition of its equations.
+Solution solve(const std::vector<Sample>& samples, double& condition) {
   constexpr auto kSize = static_cast<Eigen::Index>(kUnknowns);
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(kSize, kSize);
   Solution right = Solution::Zero(kSize, 3);
@@ -139,7 +140,9 @@ Solution solve(const std::vector<Sample>& samples) {
     weights += sample.weight;
   }
   add_smoothness(matrix, weights / kCurveBins);
-  return matrix.ldlt().solve(right);
+  const Eigen::LDLT<Eigen::MatrixXd> factored(matrix);
+  condition = 1 / factored.rcond();
+  return factored.solve(right);
 }
 
 /// Moves the constants of Δ and P to H, so that their weighted means are 0.
@@ -222,9 +225,9 @@ Vec3d evaluate(const FactoredBrdf& brdf, const Vec3d& in, const Vec3d& out) {
 FactoredBrdf factorize(const MeasuredBrdf& brdf, const std::string& source) {
   const Samples samples = take_samples(brdf);
   if (samples.valid.empty()) throw Error(source, "no sample", "a BRDF with samples");
-  Solution solution = solve(samples.valid);
-  balance(samples.valid, solution);
   FactoredBrdf result;
+  Solution solution = solve(samples.valid, result.condition);
+  balance(samples.valid, solution);
   for (std::size_t i = 0; i < kCurveBins; ++i) {
     result.half_angle.values[i] = factor_of(solution, i);
     result.difference_angle.values[i] = factor_of(solution, kDifference + i);

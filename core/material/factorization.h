@@ -34,6 +34,7 @@ struct FactoredBrdf {
   std::array<Vec3f, kRestKnots> rest{};  // P, linear in its logarithm between knots
   FitError error;                        // of the curves as they were fitted
   double valid_share = 0;                // of the angles that were asked for, those with a sample
+  double condition = 0;  // of the equations of the fit, estimated; 0 where it was not fitted here
 };
 
 /// P(θ_i) P(θ_o): the quotient BRDF that stays when curves are edited. Zero below the horizon.

@@ -10,6 +10,29 @@
 namespace rimlight {
 namespace {
 
+/// The largest |value| of a light.
+float largest_of(const CubeLight& light) {
+  float largest = 0;
+  for (const float value : light.values) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+/// What lights are multiplied by before they are squared: 1 for all but those whose squares would
+/// leave the range of floats, so that gains vanish or become infinite; for these the power of two
+/// that takes the largest value to about 1. Plans do not depend on it.
+float scale_before_squares(const PlanRequest& request) {
+  constexpr float kMost = 0x1p24f;
+  float largest = largest_of(request.target);
+  for (std::size_t layer = 0; layer < kLayers; ++layer) {
+    const CubeLight& held = request.held.layer(layer);
+    if (layer > 0 && &held == &request.held.layer(0)) continue;
+    largest = std::max(largest, largest_of(held));
+  }
+  const bool fits = largest <= kMost && largest >= 1 / kMost;
+  if (fits || !(largest > 0) || !std::isfinite(largest)) return 1;
+  return std::ldexp(1.0f, std::clamp(-std::ilogb(largest), -126, 126));
+}
+
 /// Planar pointers to the three channels of target and held.
 struct Lights {
   const float* target[3];
@@ -114,6 +137,7 @@ void measure_part_energies(const PlanRequest& request, Alternative alternative,
                            ColumnGains& gains) {
   const std::size_t columns = request.target.count(), parts = columns * kLayers;
   RIMLIGHT_CHECK_EQ(request.part_norm_squared.size(), 3 * parts);
+  const float scale = scale_before_squares(request);
   gains.gain.assign(parts, 0);
   gains.rank.assign(parts, 0);
   for (std::size_t layer = 0; layer < kLayers; ++layer) {
@@ -123,7 +147,7 @@ void measure_part_energies(const PlanRequest& request, Alternative alternative,
       const float* const squares = request.part_norm_squared.data() + c * parts;
       const float kept = alternative == Alternative::increment ? 1.0f : 0.0f;
       for (std::size_t i = 0; i < columns; ++i) {
-        const float delta = target[i] - kept * held[i];
+        const float delta = scale * (target[i] - kept * held[i]);
         const std::size_t part = part_of(i, layer);
         gains.gain[part] += squares[part] * delta * delta;
         gains.rank[part] |= static_cast<std::uint32_t>(delta != 0);  // for now: whether it changes
@@ -193,9 +217,13 @@ void measure_energies(const PlanRequest& request, const Candidates& candidates,
   } else {
     const float* const squares = norms_squared(request).data();
     const std::size_t count = request.target.count();
+    const float scale = scale_before_squares(request);
     const auto by_energy = [=](int) {
       // (norm² · r) · r: r² alone could overflow where the norm is 0.
       return [=](std::size_t i, float x, float y, float z) {
+        x *= scale;
+        y *= scale;
+        z *= scale;
         return squares[i] * x * x + squares[count + i] * y * y + squares[2 * count + i] * z * z;
       };
     };

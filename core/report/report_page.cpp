@@ -13,7 +13,7 @@ constexpr const char* kStyle = R"(
 :root { color-scheme: light dark; --line: #8884; --quiet: #777; }
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.8rem; } h2 { margin-top: 3rem; border-top: 1px solid var(--line); padding-top: 1rem; }
-nav ul, dl { columns: 2; } dt { color: var(--quiet); } dd { margin: 0 0 .4rem; overflow-wrap: anywhere; }
+nav ul, dl { columns: 2; } dt { color: var(--quiet); break-after: avoid; } dd { margin: 0 0 .4rem; overflow-wrap: anywhere; }
 div.table { overflow-x: auto; }
 table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums; }
 caption { text-align: left; color: var(--quiet); padding-bottom: .3rem; }

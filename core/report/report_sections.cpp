@@ -142,4 +142,24 @@ ReportSection section_of(const std::vector<ShPolicyRow>& rows) {
   return section;
 }
 
+ReportSection section_of(const std::vector<StabilityRow>& rows) {
+  ReportSection section{.title = "Stability at the extremes",
+                        .question =
+                            "What must hold where numbers, scenes and budgets are as they "
+                            "seldom are: each case with its bound."};
+  Table table{.columns = {"part", "case", "measured", "", "bound", "seconds", "", "note"}};
+  for (const StabilityRow& row : rows) {
+    const char* const relation = row.of->kind == BoundKind::at_most ? "at most" : "at least";
+    table.rows.push_back({row.of->part, row.of->name, significant(row.measured.value, 3), relation,
+                          significant(row.of->bound, 3), fixed(row.seconds, 2),
+                          row.pass ? "" : "FAILED", row.measured.note});
+    if (row.pass) continue;
+    section.remarks.push_back(row.of->name + ": " + row.of->quantity + ": found " +
+                              significant(row.measured.value, 6) + ", expected " + relation + " " +
+                              significant(row.of->bound, 6) + " (" + row.of->why + ")");
+  }
+  section.tables.push_back(std::move(table));
+  return section;
+}
+
 }  // namespace rimlight

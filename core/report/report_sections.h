@@ -7,6 +7,7 @@
 #include "core/report/error_vs_time.h"
 #include "core/report/report_page.h"
 #include "core/report/sh_policies.h"
+#include "core/report/stability.h"
 #include "core/report/storage_comparison.h"
 
 namespace rimlight {
@@ -18,5 +19,6 @@ ReportSection section_of(const StorageComparison& comparison);
 ReportSection section_of(const BrdfEditReport& report);
 ReportSection section_of(const std::vector<AdaptiveShRow>& rows);
 ReportSection section_of(const std::vector<ShPolicyRow>& rows);
+ReportSection section_of(const std::vector<StabilityRow>& rows);
 
 }  // namespace rimlight

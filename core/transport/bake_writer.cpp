@@ -70,7 +70,10 @@ void exchange_or_rename(const fs::path& made, const fs::path& name) {
   // There is none of that name; or the file system cannot exchange: then there is a moment with
   // the older bake at NAME.bake.replaced only.
   const fs::path replaced = with_ending(name, ".replaced");
-  if (fs::exists(name)) fs::rename(name, replaced);
+  if (fs::exists(name)) {
+    fs::remove_all(replaced);  // of a commit that was killed before it came to this
+    fs::rename(name, replaced);
+  }
   fs::rename(made, name);
   fs::remove_all(replaced);
 }

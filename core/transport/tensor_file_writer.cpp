@@ -105,6 +105,9 @@ TensorFileWriter::TensorFileWriter(const std::filesystem::path& path,
     : state_(std::make_unique<State>()) {
   state_->path = path;
   state_->block.reserve(kHashedBlock);
+  // Perhaps somebody still maps a file of that name, of a bake whose removal was killed.
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
   state_->stream.rdbuf()->pubsetbuf(nullptr, 0);  // blocks are large enough by themselves
   state_->stream.open(path, std::ios::binary | std::ios::trunc);
   if (!state_->stream) {

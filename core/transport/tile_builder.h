@@ -39,8 +39,8 @@ class TileBuilder {
   /// else CheckFailure. Each group at most once.
   void add_group(std::size_t group, std::span<const float> planes);
 
-  /// Groups that were not added are zero. A number is within half a step of what it was made of, or
-  /// relative 2⁻²³ where the step does not reach; or its block was left out.
+  /// Groups that were not added are zero. A number is within half a step and relative 2⁻²³ of
+  /// what it was made of (together: floats count the steps); or its block was left out.
   TileTransport assemble() const;
 
  private:

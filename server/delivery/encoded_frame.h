@@ -18,7 +18,8 @@ struct DrawnPicture {
   bool is_exact = false;
 };
 
-/// How a picture is to be encoded, once for all who want it so.
+/// How a picture is to be encoded, once for all who want it so. An exact picture on a rung is a
+/// preview: what a client on a narrow link sees of it first, and no exact frame.
 struct EncodeOrder {
   std::optional<std::size_t> rung;    // of kRungs; none: losslessly
   std::optional<StreamFrame> stream;  // of VP8's rungs
@@ -28,6 +29,7 @@ struct EncodeOrder {
 struct EncodedFrame {
   EncodeOrder order;
   FrameHeader header;  // all but what it says to one client alone
+  bool is_preview = false;
   Payload payload;
   std::chrono::steady_clock::time_point made;
 };

@@ -83,11 +83,36 @@ void LadderClimber::record(std::size_t rung, double queue_ms, Clock::time_point 
   }
 }
 
-std::size_t part_bytes(double ms_per_byte) {
-  if (!(ms_per_byte > 0)) return kUnknownPart;
-  const double fitting = LadderClimber::kMostQueueMs / ms_per_byte;
-  return static_cast<std::size_t>(
-      std::clamp(fitting, static_cast<double>(kSmallestPart), static_cast<double>(kLargestPart)));
+void LadderClimber::expect(double ms_per_byte, double share) {
+  const auto expected_ms = [&] { return kRungs[rung_].kilobytes * 1000 * share * ms_per_byte; };
+  while (samples_ == 0 && !risen_ && rung_ + 1 < range_.end &&
+         expected_ms() > kFarOver * kMostQueueMs) {
+    move_to(rung_ + 1, {});
+  }
+}
+
+void PartSizer::record(std::size_t bytes, double delay_ms, double queue_ms, double ms_per_byte) {
+  constexpr double kMost = LadderClimber::kMostQueueMs;
+  const auto sent = static_cast<double>(bytes);
+  auto size = static_cast<double>(bytes_);
+  if (queue_ms > kMost) {
+    size = std::min(size, sent * kMost / queue_ms);
+  } else if (delay_ms > 0) {
+    // The whole delay says what surely passes; where that is mostly the way there and back, twice
+    // as many bytes tell the two apart.
+    size = std::max(size, sent * std::clamp(kMost / delay_ms, 2.0, 4.0));
+  }
+  if (ms_per_byte > 0) size = std::min(size, kMost / ms_per_byte);
+  bytes_ = static_cast<std::size_t>(
+      std::clamp(size, static_cast<double>(kSmallest), static_cast<double>(kLargest)));
+}
+
+std::size_t preview_rung(std::size_t part_bytes, std::size_t first, int width, int height) {
+  const double share = static_cast<double>(width) * height / (512.0 * 512.0);
+  std::size_t rung = std::max(first, kVp8Rungs);
+  const auto expected = [&] { return kRungs[rung].kilobytes * 1000 * share; };
+  while (rung + 1 < kRungs.size() && expected() > static_cast<double>(part_bytes)) ++rung;
+  return rung;
 }
 
 }  // namespace rimlight::server

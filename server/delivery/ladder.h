@@ -62,6 +62,10 @@ class LadderClimber {
   void set_range(RungRange range);
   /// A frame in motion that was sent on `rung` was acknowledged; `queue_ms` as DelayMeter says.
   void record(std::size_t rung, double queue_ms, Clock::time_point now);
+  /// What the link takes for a byte, as other messages have shown: while nothing was sent on its
+  /// rung, it goes down to one whose frames are expected to be not far over the bound. `share`: of
+  /// the picture's pixels to those of 512 × 512.
+  void expect(double ms_per_byte, double share);
 
  private:
   void move_to(std::size_t rung, Clock::time_point now);
@@ -75,11 +79,27 @@ class LadderClimber {
   std::chrono::milliseconds patience_{2000};
 };
 
-/// How large the parts are in which a client gets a lossless frame, by what DelayMeter knows of its
-/// link: each takes about as long as a queue delay may be, so that an edit's frame never waits
-/// longer behind one. Of a link that nothing is known of (0), kUnknownPart.
-inline constexpr std::size_t kSmallestPart = 8 * 1024, kUnknownPart = 64 * 1024,
-                             kLargestPart = 4 * 1024 * 1024;
-std::size_t part_bytes(double ms_per_byte);
+/// How large the parts are in which one client gets a lossless frame: each is to take about as long
+/// as a queue delay may be, so that an edit's frame waits no longer behind one. Of a link that
+/// nothing is known of they begin small, since the first may meet one of any width, and grow by
+/// what has been seen to pass; of one whose time for a byte is known they follow that. A narrow
+/// link's are no smaller than kSmallest, of which the headers are a tenth. Pure.
+class PartSizer {
+ public:
+  static constexpr std::size_t kSmallest = 4 * 1024, kLargest = 4 * 1024 * 1024;
+
+  /// A message of `bytes`, a part or any other, was acknowledged after `delay_ms`, of which
+  /// `queue_ms` was more than an empty one takes; `ms_per_byte` as DelayMeter knows it, 0: not.
+  void record(std::size_t bytes, double delay_ms, double queue_ms, double ms_per_byte);
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  std::size_t bytes_ = kSmallest;
+};
+
+/// The rung of JPEG for a first look at a picture whose lossless form takes many parts: the best
+/// from `first` on that is expected to take no longer than one; else the smallest. width × height:
+/// of the picture.
+std::size_t preview_rung(std::size_t part_bytes, std::size_t first, int width, int height);
 
 }  // namespace rimlight::server

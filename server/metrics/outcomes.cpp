@@ -6,6 +6,8 @@ const char* to_string(RefusalReason reason) {
   switch (reason) {
     case RefusalReason::malformed:
       return "malformed";
+    case RefusalReason::tls:
+      return "tls";
     case RefusalReason::host:
       return "host";
     case RefusalReason::body:
@@ -62,6 +64,8 @@ const char* to_string(CloseReason reason) {
       return "token_expired";
     case CloseReason::server_stopped:
       return "server_stopped";
+    case CloseReason::session_deleted:
+      return "session_deleted";
   }
   return "unknown";
 }

@@ -8,6 +8,7 @@ namespace rimlight::server {
 /// is said of it is in the log, for people.
 enum class RefusalReason {
   malformed,          // no HTTP
+  tls,                // no handshake, or none that can be agreed on
   host,               // no Host, more than one, or that of another server
   body,               // where none is taken
   upload,             // of an environment: its length, its name, or what it holds; or too many
@@ -24,6 +25,7 @@ enum class RefusalReason {
   message,            // one that cannot be read, or names what is not there
 };
 inline constexpr std::array kRefusalReasons = {RefusalReason::malformed,
+                                               RefusalReason::tls,
                                                RefusalReason::host,
                                                RefusalReason::body,
                                                RefusalReason::upload,
@@ -53,6 +55,7 @@ enum class CloseReason {
   edits_unstored,     // its edits wait for the disk too long
   token_expired,
   server_stopped,
+  session_deleted,  // by one of its owners
 };
 inline constexpr std::array kCloseReasons = {
     CloseReason::client_closed,     CloseReason::client_lost,
@@ -60,7 +63,7 @@ inline constexpr std::array kCloseReasons = {
     CloseReason::message_too_large, CloseReason::not_utf8,
     CloseReason::too_many_messages, CloseReason::not_reading,
     CloseReason::edits_unstored,    CloseReason::token_expired,
-    CloseReason::server_stopped};
+    CloseReason::server_stopped,    CloseReason::session_deleted};
 const char* to_string(CloseReason reason);
 
 }  // namespace rimlight::server

@@ -30,6 +30,8 @@ websocket::close_reason told(CloseReason reason) {
       return {websocket::close_code::policy_error, "the token has expired"};
     case CloseReason::too_many_messages:
       return {websocket::close_code::policy_error, "too many messages"};
+    case CloseReason::session_deleted:
+      return {websocket::close_code::normal, "the session was deleted"};
     case CloseReason::not_utf8:
       return {websocket::close_code::bad_payload, "no UTF-8"};
     default:
@@ -200,6 +202,10 @@ void Connection::handle(DesignSession& session, std::string_view text, Clock::ti
                     "the frame that was sent last, once");
       }
       allowance_.refund(EditAllowance::cost(text.size()));  // as many as frames, and no more
+    } else if (const auto* const deletion = std::get_if<DeleteSession>(&message)) {
+      check_role(*deletion, access_.role);
+      const Author by = session.begin_deletion(*this);
+      delete_(session.shared_from_this(), by, deletion->id);
     } else if (const auto* const display = std::get_if<Display>(&message)) {
       session.set_display(*this, *display, now);
     } else {
@@ -280,8 +286,9 @@ void Connection::ended(const DesignSession& session) {
   const CloseReason reason =
       !open_ ? CloseReason::handshake_failed : reason_.value_or(CloseReason::client_lost);
   settings_.metrics->connection_closed(reason);
-  const bool is_usual = reason == CloseReason::client_closed ||
-                        reason == CloseReason::client_lost || reason == CloseReason::server_stopped;
+  const bool is_usual =
+      reason == CloseReason::client_closed || reason == CloseReason::client_lost ||
+      reason == CloseReason::server_stopped || reason == CloseReason::session_deleted;
   log_event(is_usual ? Severity::info : Severity::warning, "connection_closed",
             {{"connection", id_}, {"session", session.name()}, {"reason", to_string(reason)}});
 }

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <deque>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,8 +54,16 @@ class Connection final : public Client,
   void send_state(std::string text) override;
   void send_presence(std::string text) override;
   void send_snapshots(std::string text) override;
+  void send_off(std::string text) override;
   void send_frame(FramePtr frame) override;
   void stop() override;
+
+  /// Deletes the session for one of its owners, away from the network's threads; what goes wrong is
+  /// the answer to the message of that id.
+  using Deleter = std::function<void(const std::shared_ptr<DesignSession>& session,
+                                     const Author& by, const std::string& id)>;
+  /// Before run().
+  void delete_by(Deleter deleter) { delete_ = std::move(deleter); }
 
  private:
   /// Text replies that may wait; at this bound reading pauses.
@@ -93,6 +102,8 @@ class Connection final : public Client,
   std::size_t unanswered_ = 0;                               // edits that the session has taken
   std::optional<std::string> state_, presence_, snapshots_;  // the newest of each
   FramePtr frame_;
+  Deleter delete_;
+  bool is_sent_off_ = false;  // closes when its texts are written
   bool open_ = false;
   bool writing_ = false;
   bool ending_ = false;

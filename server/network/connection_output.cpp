@@ -60,6 +60,16 @@ void Connection::replace(std::optional<std::string> Connection::*waiting, std::s
                 });
 }
 
+void Connection::send_off(std::string text) {
+  net::dispatch(socket_.get_executor(),
+                [self = shared_from_this(), text = std::move(text)]() mutable {
+                  if (self->ending_) return;
+                  self->texts_.push_back(std::move(text));
+                  self->is_sent_off_ = true;
+                  self->write_soon();
+                });
+}
+
 void Connection::send_frame(FramePtr frame) {
   net::dispatch(socket_.get_executor(),
                 [self = shared_from_this(), frame = std::move(frame)]() mutable {
@@ -99,6 +109,9 @@ net::awaitable<void> Connection::write_waiting() {
     bool written = false;
     if (const std::optional<std::string> text = next_text()) {
       written = co_await write_text(*text);
+    } else if (is_sent_off_) {
+      close(CloseReason::session_deleted);
+      break;
     } else if (const FramePtr frame = std::exchange(frame_, nullptr)) {
       written = co_await write_frame(*frame);
     } else {

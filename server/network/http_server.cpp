@@ -269,7 +269,7 @@ void HttpServer::State::watch_reload() {
     try {
       tls = server_tls(settings.tls);
       log_event(Severity::info, "certificate_read", {{"file", settings.tls.certificate.string()}});
-    } catch (const Error& fault) {
+    } catch (const std::exception& fault) {
       log_event(Severity::error, "certificate_kept", {{"detail", fault.what()}});
     }
     watch_reload();
@@ -308,6 +308,7 @@ net::awaitable<void> HttpServer::State::close_hard() {
 void check_network(const NetworkSettings& settings) {
   (void)permitted_endpoint(settings);
   (void)HostPolicy(HostPolicy::Reach::network, settings.host_names, settings.origins);
+  if (!settings.tls.empty()) (void)server_tls(settings.tls);
 }
 
 HttpServer::HttpServer(const NetworkSettings& settings, const StaticFiles& files,

@@ -40,7 +40,8 @@ struct NetworkSettings {
   bool selftest_echo = false;  // /selftest/echo, for conformance suites; on loopback only
 };
 
-/// Throws what HttpServer would, but for an address that is taken: nothing is opened.
+/// Throws what HttpServer would, but for an address that is taken: nothing listens. The files of
+/// TLS are read.
 void check_network(const NetworkSettings& settings);
 
 /// HTTP and WebSocket on one port: the page, /healthz, /readyz, /metrics, /api/scenes, /api/curves

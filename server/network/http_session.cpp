@@ -68,9 +68,15 @@ net::awaitable<void> HttpSession::run() {
 net::awaitable<bool> HttpSession::shake_hands() {
   const WaitingRoom::Seat seat(site_.waiting, shared_from_this());
   waiting_ = true;
-  const bool speaks = co_await stream_.accept();
+  const beast::error_code error = co_await stream_.accept();
   waiting_ = false;
-  co_return speaks;
+  if (error && !stopping_) {  // else the server has closed it, and counted why
+    constexpr RefusalReason kReason = RefusalReason::tls;
+    metrics_->refused(kReason);
+    log_event(Severity::warning, "handshake_failed",
+              {{"connection", id_}, {"reason", to_string(kReason)}, {"detail", error.message()}});
+  }
+  co_return !error;
 }
 
 net::awaitable<beast::error_code> HttpSession::read_header(HeaderParser& parser,
@@ -117,6 +123,10 @@ net::awaitable<void> HttpSession::serve() {
       co_await answer(stream_, refuse(parser.get(), *fault));
       break;
     }
+    if (body == Body::upload && parser.get().method() == http::verb::put) {
+      co_await take_state(parser, buffer);
+      break;
+    }
     if (body == Body::upload) {
       co_await take_upload(parser, buffer);
       break;
@@ -134,6 +144,9 @@ net::awaitable<void> HttpSession::serve() {
     Response response;
     if (!refusing_ && is_state_target(view(request.target()))) {
       response = co_await respond_with_state(request);
+    } else if (!refusing_ && request.method() == http::verb::delete_ &&
+               is_upload_target(view(request.target()))) {
+      response = co_await respond_to_removal(request);
     } else {
       response = respond(request);
     }
@@ -145,10 +158,10 @@ net::awaitable<void> HttpSession::serve() {
 Body HttpSession::body_of(const HeaderParser& parser) const {
   if (parser.is_done()) return Body::none;
   const Request& request = parser.get();
-  if (!refusing_ && request.method() == http::verb::post &&
-      is_upload_target(view(request.target()))) {
-    return Body::upload;
-  }
+  const auto target = view(request.target());
+  const bool is_upload = request.method() == http::verb::post && is_upload_target(target);
+  const bool is_import = request.method() == http::verb::put && is_state_target(target);
+  if (!refusing_ && (is_upload || is_import)) return Body::upload;
   return site_.settings.selftest_echo ? Body::echoed : Body::unwanted;
 }
 
@@ -219,7 +232,7 @@ net::awaitable<void> HttpSession::upgrade(Request request) {
 net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& target,
                                           const Access& access) {
   connection_ = std::make_shared<Connection>(std::move(stream_), site_.settings, access, id_);
-  const Visitor visitor{access.name, access.role, target.resume, target.seen};
+  const Visitor visitor{access.name, access.role, target.resume, target.seen, target.parts};
   std::shared_ptr<DesignSession> session =
       site_.sessions.join_open(target.session, target.scene, connection_, Clock::now(), visitor);
   std::optional<Refusal> refusal;
@@ -237,6 +250,9 @@ net::awaitable<void> HttpSession::connect(Request request, const StreamTarget& t
     }
   }
   if (session) {
+    connection_->delete_by(
+        [self = this](const std::shared_ptr<DesignSession>& which, const Author& by,
+                      const std::string& id) { self->delete_session(which, by, id); });
     co_await connection_->run(std::move(request), std::move(session));
   } else {
     co_await answer(connection_->transport(), refuse(request, *refusal));

@@ -79,6 +79,26 @@ class HttpSession final : public Stoppable,
                                        const Access& access);
   boost::asio::awaitable<bool> answer(Transport& stream, Response response);
   boost::asio::awaitable<Response> respond_with_state(const Request& request);
+
+  // http_changes.cpp
+  struct StateImport {
+    StreamTarget target;
+    Access access;
+    UploadDesk::Place place;
+  };
+  /// A whole state: with 64 curves drawn of 256 points each.
+  static constexpr std::uint64_t kLargestState = std::uint64_t{4} << 20;
+  std::variant<Access, Refusal> admit_change(const Request& request, const std::string& session,
+                                             Role least) const;
+  boost::asio::awaitable<Response> respond_to_removal(const Request& request);
+  std::variant<StateImport, Response> check_state(
+      const Request& request, const boost::optional<std::uint64_t>& length) const;
+  boost::asio::awaitable<void> take_state(HeaderParser& header, boost::beast::flat_buffer& buffer);
+  Response import_state(const Request& request, const StateImport& import,
+                        const std::string& bytes) const;
+  void delete_session(const std::shared_ptr<DesignSession>& session, const Author& by,
+                      const std::string& id) const;
+
   Response respond(const Request& request) const;
   Response respond_to(const Request& request, std::string_view path, std::string_view query) const;
   void count(const Refusal& refusal) const;

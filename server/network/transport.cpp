@@ -14,11 +14,11 @@ constexpr auto kAsTuple = net::as_tuple(net::use_awaitable);
 
 }  // namespace
 
-net::awaitable<bool> Transport::accept() {
+net::awaitable<beast::error_code> Transport::accept() {
   Secure* const layered = secure();
-  if (layered == nullptr) co_return true;
+  if (layered == nullptr) co_return beast::error_code();
   const auto [error] = co_await layered->async_handshake(net::ssl::stream_base::server, kAsTuple);
-  co_return !error;
+  co_return error;
 }
 
 net::awaitable<void> Transport::finish(std::chrono::steady_clock::duration most) {

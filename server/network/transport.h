@@ -38,8 +38,8 @@ class Transport {
   Secure* secure() noexcept { return std::get_if<Secure>(&stream_); }
 
   /// The server's side of TLS' handshake, within the deadline of next_layer(); at once in the
-  /// clear. False when the peer speaks something else.
-  boost::asio::awaitable<bool> accept();
+  /// clear. An error when the peer speaks something else, or not in time.
+  boost::asio::awaitable<boost::beast::error_code> accept();
   /// Says goodbye, within that time; the socket is closed by its destructor.
   boost::asio::awaitable<void> finish(std::chrono::steady_clock::duration most);
 

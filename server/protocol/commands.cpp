@@ -23,6 +23,12 @@ const std::string& id_of(const Command& command) {
   return std::visit([](const auto& one) -> const std::string& { return one.id; }, command);
 }
 
+void check_role(const DeleteSession&, Role role) {
+  if (role < Role::owner) {
+    throw Error("message: /type", "what only owners may do", "a token of an owner");
+  }
+}
+
 void check_role(const Command& command, Role role) {
   const auto* const snapshot = std::get_if<SnapshotCommand>(&command);
   const bool replaces_all =

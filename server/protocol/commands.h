@@ -31,6 +31,13 @@ struct SnapshotCommand {
   friend bool operator==(const SnapshotCommand&, const SnapshotCommand&) = default;
 };
 
+/// Deletes the session for good. Of the client's messages the one that makes no revision.
+struct DeleteSession {
+  std::string id;
+
+  friend bool operator==(const DeleteSession&, const DeleteSession&) = default;
+};
+
 /// Sets the whole state.
 struct Import {
   std::string id;

@@ -99,24 +99,29 @@ void read_materials(const JsonReader& material, const KnownMaterials& known, Des
 }
 
 /// A whole state, held to the rules of edits.
-Import read_import(const JsonReader& message, const std::vector<std::string>& environments,
-                   const KnownMaterials& materials) {
+DesignState read_given_state(const JsonReader& state, const std::vector<std::string>& environments,
+                             const KnownMaterials& materials) {
   constexpr double kUnit = 1e-9;  // a rotation as near as this to unit length keeps its bits
-  message.allow_only({"type", "id", "state"});
-  const JsonReader state = message.member("state");
   state.allow_only({"rotation", "environment", "exposure", "view", "material"});
-  Import import{read_id(message), {}};
+  DesignState read;
   const std::vector<double> q =
       state.member("rotation").numbers(4, -kLargestComponent, kLargestComponent);
-  import.state.rotation = {q[0], q[1], q[2], q[3]};
-  if (!(std::abs(norm(import.state.rotation) - 1) <= kUnit)) {
-    import.state.rotation = read_rotation(state.member("rotation"));
+  read.rotation = {q[0], q[1], q[2], q[3]};
+  if (!(std::abs(norm(read.rotation) - 1) <= kUnit)) {
+    read.rotation = read_rotation(state.member("rotation"));
   }
-  import.state.environment = environments[state.member("environment").one_of(environments)];
-  import.state.exposure_stops = state.member("exposure").number(-kExposureRange, kExposureRange);
-  import.state.view = read_view(state.member("view"));
-  read_materials(state.member("material"), materials, import.state);
-  return import;
+  read.environment = environments[state.member("environment").one_of(environments)];
+  read.exposure_stops = state.member("exposure").number(-kExposureRange, kExposureRange);
+  read.view = read_view(state.member("view"));
+  read_materials(state.member("material"), materials, read);
+  return read;
+}
+
+Import read_import(const JsonReader& message, const std::vector<std::string>& environments,
+                   const KnownMaterials& materials) {
+  message.allow_only({"type", "id", "state"});
+  const JsonReader state = message.member("state");
+  return {read_id(message), read_given_state(state, environments, materials)};
 }
 
 json with_revision(const char* type, const Revision& revision) {
@@ -136,8 +141,9 @@ ClientMessage parse_client_message(std::string_view text,
                                    const KnownMaterials& materials) {
   const json document = parse_json(text, "message");
   const JsonReader message(document, "message");
-  static const std::vector<std::string> kTypes{"edit", "frame_ack", "ping",   "undo",
-                                               "redo", "snapshot",  "import", "display"};
+  static const std::vector<std::string> kTypes{"edit",   "frame_ack", "ping",
+                                               "undo",   "redo",      "snapshot",
+                                               "import", "display",   "delete_session"};
   switch (message.member("type").one_of(kTypes)) {
     case 0:
       return read_edit(message, environments, materials);
@@ -155,9 +161,20 @@ ClientMessage parse_client_message(std::string_view text,
       return read_snapshot(message);
     case 6:
       return read_import(message, environments, materials);
-    default:
+    case 7:
       return read_display(message);
+    default:
+      message.allow_only({"type", "id"});
+      return DeleteSession{read_id(message)};
   }
+}
+
+Import read_export(std::string_view text, const std::vector<std::string>& environments,
+                   const KnownMaterials& materials) {
+  const json document = parse_json(text, "file");
+  const JsonReader file(document, "file");
+  (void)file.member("format").one_of({"rimlight session 1"});
+  return {{}, read_given_state(file.member("state"), environments, materials)};
 }
 
 std::optional<std::string> find_message_id(std::string_view text) {
@@ -258,6 +275,10 @@ std::string write_export(const std::string& scene, const std::string& session,
 
 std::string write_environments(const std::vector<std::string>& names) {
   return dump({{"type", "environments"}, {"environments", names}});
+}
+
+std::string write_deleted(const Author& by) {
+  return dump({{"type", "deleted"}, {"by", author_to_json(by)}});
 }
 
 std::string write_pong(std::string_view id) { return dump({{"type", "pong"}, {"id", id}}); }

@@ -70,7 +70,8 @@ struct Ping {
   friend bool operator==(const Ping&, const Ping&) = default;
 };
 
-using ClientMessage = std::variant<Edit, FrameAck, Ping, Travel, SnapshotCommand, Import, Display>;
+using ClientMessage =
+    std::variant<Edit, FrameAck, Ping, Travel, SnapshotCommand, Import, Display, DeleteSession>;
 /// What makes a revision.
 using Command = std::variant<Edit, Travel, SnapshotCommand, Import>;
 
@@ -80,6 +81,8 @@ const std::string& id_of(const Command& command);
 /// Throws Error for one that only a greater role may ask for: editors edit, undo and make
 /// snapshots; owners import, and restore and delete snapshots.
 void check_role(const Command& command, Role role);
+/// Only owners may.
+void check_role(const DeleteSession& command, Role role);
 
 /// Reads one text message of a client. Throws Error, where() naming the field: malformed JSON, an
 /// unknown type or field, a rotation that is not finite or cannot be normalised, an environment
@@ -132,6 +135,12 @@ std::string write_export(const std::string& scene, const std::string& session,
                          const Revision& revision, const DesignState& state);
 /// To all clients of the session, when one was uploaded: all that edits may name.
 std::string write_environments(const std::vector<std::string>& names);
+/// To all clients of the session, the last: it was deleted, and by whom.
+std::string write_deleted(const Author& by);
+/// What write_export() wrote, or any file with a state as it has it: held to the rules of edits.
+/// Throws Error naming the field.
+Import read_export(std::string_view text, const std::vector<std::string>& environments,
+                   const KnownMaterials& materials);
 std::string write_pong(std::string_view id);
 /// An edge's answer to an Error; the connection goes on.
 std::string write_error(const Error& error, const std::optional<std::string>& id);

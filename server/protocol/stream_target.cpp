@@ -39,8 +39,9 @@ std::optional<std::int64_t> read_number(std::string_view text) {
 
 /// Each at most once, in any order.
 void read_parameters(std::string_view query, StreamTarget& result) {
-  const Error wrong("URL", "other parameters",
-                    "scene=NAME, token=TOKEN, resume=TOKEN and seen=NUMBER, any of them, once");
+  const Error wrong(
+      "URL", "other parameters",
+      "scene=NAME, token=TOKEN, resume=TOKEN, seen=NUMBER and parts=1, any of them, once");
   while (!query.empty()) {
     const std::size_t end = std::min(query.find('&'), query.size());
     const std::string_view part = query.substr(0, end);
@@ -56,6 +57,8 @@ void read_parameters(std::string_view query, StreamTarget& result) {
     } else if (part.starts_with(kResume) && result.resume.empty() &&
                is_resume_token(part.substr(kResume.size()))) {
       result.resume = part.substr(kResume.size());
+    } else if (part == "parts=1" && !result.parts) {
+      result.parts = true;
     } else if (part.starts_with(kSeen) && !result.seen) {
       result.seen = read_number(part.substr(kSeen.size()));
       if (!result.seen) throw wrong;

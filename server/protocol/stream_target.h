@@ -11,13 +11,14 @@ namespace rimlight::server {
 bool is_valid_name(std::string_view name);
 
 /// What the target of a WebSocket request asks for:
-/// /sessions/{session}/stream?scene={scene}&token={token}&resume={resume}&seen={revision}.
+/// /sessions/{session}/stream?scene={scene}&token={token}&resume={resume}&seen={revision}&parts=1.
 struct StreamTarget {
   std::string session;
   std::string scene{};                 // empty: the default one
   std::string token{};                 // as it was given; empty without one
   std::string resume{};                // a resume token; empty without one
   std::optional<std::int64_t> seen{};  // the number of the last revision that the client has
+  bool parts = false;                  // it takes its first lossless frame in parts, too
 
   friend bool operator==(const StreamTarget&, const StreamTarget&) = default;
 };

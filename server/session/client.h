@@ -22,6 +22,8 @@ class Client {
   virtual void send_state(std::string text) = 0;
   /// Who is there, and the list of snapshots: each replaces one of its own that still waits.
   virtual void send_presence(std::string text) { send_text(std::move(text)); }
+  /// Its session is no more: the last that it is told, and then its connection ends.
+  virtual void send_off(std::string text) { send_text(std::move(text)); }
   virtual void send_snapshots(std::string text) { send_text(std::move(text)); }
   /// At most one frame is on its way: the session sends the next after the client's frame_ack.
   virtual void send_frame(FramePtr frame) = 0;

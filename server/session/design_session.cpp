@@ -49,10 +49,24 @@ DesignSession::~DesignSession() { settings_.metrics->session_closed(); }
 void DesignSession::join(const std::shared_ptr<Client>& client, Clock::time_point now,
                          const Visitor& visitor) {
   const std::lock_guard lock(mutex_);
+  try {
+    enter(client, now, visitor);
+  } catch (...) {
+    viewers_.leave(*client);
+    users_.leave(*client);
+    if (viewers_.empty() && (!waiting_ || waiting_->empty())) idle_since_ = now;
+    throw;
+  }
+}
+
+void DesignSession::enter(const std::shared_ptr<Client>& client, Clock::time_point now,
+                          const Visitor& visitor) {
   const SessionUsers::Entered entered = users_.enter(*client, visitor);
   idle_since_.reset();
+  rest_ = Rest::none;
   using Part = Viewers::Part;
-  viewers_.join(client, visitor.role < Role::editor ? Part::watches : Part::edits);
+  viewers_.join(client, visitor.role < Role::editor ? Part::watches : Part::edits,
+                {.parts = visitor.parts});
   client->send_text(write_welcome(welcome_for(entered, visitor)));
   tell_presence(client.get());
   if (exact_revision_ == version_.revision.number) {
@@ -97,6 +111,45 @@ void DesignSession::add_environment(const EnvironmentPtr& environment) {
   for (const Viewers::Viewer& viewer : viewers_) viewer.client->send_text(text);
 }
 
+void DesignSession::remove_environment(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  // Of edits on their way, too: they are in the order of the store before whatever comes later.
+  const SessionVersion& newest = waiting_ ? waiting_->newest(version_) : version_;
+  std::string use = newest.use_of(name);
+  if (use.empty()) use = version_.use_of(name);
+  if (!use.empty()) {
+    throw Error("URL", "the environment " + quote(name) + ", which " + use, "one not in use");
+  }
+  if (!environments_.remove(name)) {
+    throw Error("URL", "the environment " + quote(name), "one that was uploaded to the session");
+  }
+  const std::string text = write_environments(environments_.names());
+  for (const Viewers::Viewer& viewer : viewers_) viewer.client->send_text(text);
+}
+
+Author DesignSession::begin_deletion(const Client& client) {
+  const std::lock_guard lock(mutex_);
+  check_not_deleting();
+  deleting_ = true;
+  return users_.of(client).author;
+}
+
+void DesignSession::check_not_deleting() const {
+  if (deleting_) throw Error("session " + quote(name_), "one that is being deleted", "another");
+}
+
+void DesignSession::cancel_deletion() {
+  const std::lock_guard lock(mutex_);
+  deleting_ = false;
+}
+
+void DesignSession::end(const Author& by) {
+  const std::lock_guard lock(mutex_);
+  deleted_.store(true);
+  const std::string text = write_deleted(by);
+  for (const Viewers::Viewer& viewer : viewers_) viewer.client->send_off(text);
+}
+
 void DesignSession::leave(const Client& client, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   viewers_.leave(client);
@@ -109,6 +162,7 @@ void DesignSession::leave(const Client& client, Clock::time_point now) {
 
 void DesignSession::apply(const Client& client, const Command& command, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
+  check_not_deleting();
   const Viewers::Viewer* const viewer = viewers_.find(client);
   const std::shared_ptr<Client> sender = viewer == nullptr ? nullptr : viewer->client;
   const std::int64_t at_ms = milliseconds_since_1970();
@@ -116,7 +170,7 @@ void DesignSession::apply(const Client& client, const Command& command, Clock::t
   WaitingEdit edit{sender, id_of(command),
                    next_version(base, command, users_.of(client), environments_.names(), at_ms)};
   if (!waiting_) {
-    show(edit, now, now);
+    show(std::move(edit), now, now);
     return;
   }
   waiting_->add(std::move(edit), base, at_ms,
@@ -128,11 +182,11 @@ void DesignSession::apply(const Client& client, const Command& command, Clock::t
 void DesignSession::settle(const std::optional<StoreError>& refusal, Clock::time_point arrived) {
   const std::lock_guard lock(mutex_);
   const auto outcome = refusal ? WaitingEdits::Outcome::refused : WaitingEdits::Outcome::durable;
-  const WaitingEdit edit = waiting_->take(outcome);
+  WaitingEdit edit = waiting_->take(outcome);
   const Clock::time_point now = queue_.now();
   if (viewers_.empty() && waiting_->empty()) idle_since_ = now;
   if (!refusal) {
-    show(edit, arrived, now);
+    show(std::move(edit), arrived, now);
     return;
   }
   settings_.metrics->edit_refused();
@@ -142,12 +196,13 @@ void DesignSession::settle(const std::optional<StoreError>& refusal, Clock::time
   }
 }
 
-void DesignSession::show(const WaitingEdit& edit, Clock::time_point arrived,
-                         Clock::time_point now) {
+/// The version is taken first and without memory: where there is none to tell of it, the session is
+/// still the one that is stored.
+void DesignSession::show(WaitingEdit edit, Clock::time_point arrived, Clock::time_point now) {
+  const bool has_other_snapshots = version_.snapshots != edit.version.snapshots;
+  version_ = std::move(edit.version);
   settings_.metrics->edit_applied();
   if (!viewers_.empty()) ages_.edited(arrived);
-  const bool has_other_snapshots = version_.snapshots != edit.version.snapshots;
-  version_ = edit.version;
   newest_revision_.store(version_.revision.number, std::memory_order_relaxed);
   viewers_.expect(version_.revision);
   last_edit_ = now;
@@ -198,6 +253,17 @@ bool DesignSession::settled() const {
   const std::lock_guard lock(mutex_);
   if (waiting_ && !waiting_->empty()) return false;
   return viewers_.empty() || (exact_revision_ == version_.revision.number && viewers_.all_shown());
+}
+
+void DesignSession::rest(Clock::time_point now, std::chrono::milliseconds after) {
+  const std::lock_guard lock(mutex_);
+  const bool is_idle = idle_since_ && viewers_.empty() && now - *idle_since_ >= after;
+  if (!is_idle || rest_ != Rest::none || closed_.load()) return;
+  rest_ = Rest::wanted;
+  unfinished_ = Unfinished::nothing;
+  viewers_.forget_newest();
+  exact_revision_ = kNone;
+  queue_.schedule(shared_from_this(), now);
 }
 
 void DesignSession::close() {

@@ -65,6 +65,17 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   void apply(const Client& client, const Command& command, Clock::time_point now);
   /// Edits may name it from now on; all clients are told. Throws Error as SessionEnvironments does.
   void add_environment(const EnvironmentPtr& environment);
+  /// An uploaded one is no more; all clients are told. Throws Error where it is in use
+  /// (SessionVersion::use_of()), or not there.
+  void remove_environment(const std::string& name);
+  /// No more edits: the session is about to be deleted. The author of the client that asks. Throws
+  /// Error when it is being deleted already.
+  Author begin_deletion(const Client& client);
+  /// It was not deleted after all.
+  void cancel_deletion();
+  /// It was: all clients are told by whom, and leave.
+  void end(const Author& by);
+  bool is_deleted() const { return deleted_.load(); }
   [[nodiscard]] AckResult acknowledge(const Client& client, std::int64_t frame,
                                       Clock::time_point now);
   /// What the client can show, from now on.
@@ -80,13 +91,15 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   bool finishing() const { return finishing_.load(std::memory_order_relaxed); }
   /// Whether every edit is answered, and all who watch have acknowledged the exact frame.
   bool settled() const;
+  /// Where nobody has had it open for so long, what it draws with is given back until somebody has.
+  void rest(Clock::time_point now, std::chrono::milliseconds after);
   /// No more work: a render that runs is abandoned where it can be.
   void close();
 
   void work(Clock::time_point now) noexcept override;
 
  private:
-  enum class Work { none, moving, again, improve, exact };
+  enum class Work { none, moving, again, improve, exact, rest };
   struct Task {
     Work kind = Work::none;
     FrameTask frame;
@@ -94,10 +107,12 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   static constexpr std::int64_t kNone = -1;
 
   // All of these are called with the mutex held.
+  void enter(const std::shared_ptr<Client>& client, Clock::time_point now, const Visitor& visitor);
   void reschedule(Clock::time_point now);
-  void show(const WaitingEdit& edit, Clock::time_point arrived, Clock::time_point now);
+  void show(WaitingEdit edit, Clock::time_point arrived, Clock::time_point now);
   Welcome welcome_for(const SessionUsers::Entered& entered, const Visitor& visitor) const;
   void tell_presence(const Client* except);
+  void check_not_deleting() const;
   Task begin_task(Clock::time_point now);
 
   /// What the store says of the oldest edit that waits.
@@ -133,10 +148,14 @@ class DesignSession final : public RenderJob, public std::enable_shared_from_thi
   Viewers viewers_;
   std::optional<WaitingEdits> waiting_;  // with a store
   std::optional<Clock::time_point> idle_since_;
+  enum class Rest { none, wanted, taken };
+  Rest rest_ = Rest::none;
+  bool deleting_ = false;
 
   std::atomic<std::int64_t> newest_revision_{
       0};  // version_.revision.number, to be asked between tiles
   std::atomic<bool> closed_{false};
+  std::atomic<bool> deleted_{false};
   std::atomic<bool> finishing_{false};
 
   FrameMaker maker_;  // the compute thread's own

@@ -33,13 +33,22 @@ FieldChanges standing(const EditStep& step, json FieldChange::*from, const json&
   return fields;
 }
 
+/// From which side of its changes a step goes to which.
+struct Way {
+  json FieldChange::*left;
+  json FieldChange::*wanted;
+};
+
 /// Moves the newest step that can be moved, and sets its fields. False when there is none.
 bool move(std::vector<EditStepPtr>& from, std::vector<EditStepPtr>& to, std::int64_t ordinal,
-          json FieldChange::*left, json FieldChange::*wanted, json& state) {
+          const Way& way, const EditHistory::Possible& possible, json& state) {
   for (auto step = from.rbegin(); step != from.rend(); ++step) {
-    FieldChanges fields = standing(**step, left, state);
+    FieldChanges fields = standing(**step, way.left, state);
+    std::erase_if(fields, [&](const auto& entry) {
+      return possible && !possible(entry.first, entry.second.*way.wanted);
+    });
     if (fields.empty()) continue;
-    for (const auto& [field, change] : fields) set_field(state, field, change.*wanted);
+    for (const auto& [field, change] : fields) set_field(state, field, change.*way.wanted);
     to.push_back(make_step(ordinal, "", std::move(fields)));
     from.erase(std::next(step).base());
     return true;
@@ -96,12 +105,14 @@ void EditHistory::record(const FieldChanges& changes, const std::string& gesture
   drop_old();
 }
 
-bool EditHistory::undo(json& state) {
-  return move(done_, undone_, next_ordinal(), &FieldChange::after, &FieldChange::before, state);
+bool EditHistory::undo(json& state, const Possible& possible) {
+  const Way back{&FieldChange::after, &FieldChange::before};
+  return move(done_, undone_, next_ordinal(), back, possible, state);
 }
 
-bool EditHistory::redo(json& state) {
-  return move(undone_, done_, next_ordinal(), &FieldChange::before, &FieldChange::after, state);
+bool EditHistory::redo(json& state, const Possible& possible) {
+  const Way forth{&FieldChange::before, &FieldChange::after};
+  return move(undone_, done_, next_ordinal(), forth, possible, state);
 }
 
 std::int64_t EditHistory::next_ordinal() const {

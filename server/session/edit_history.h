@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -46,11 +47,14 @@ class EditHistory {
   /// An edit of the user's own. One of the gesture of the last step goes on with that step, unless
   /// something was undone since. What was undone is forgotten. Changes of nothing are no step.
   void record(const FieldChanges& changes, const std::string& gesture);
+  /// Whether a field can have a value: an environment may be gone. What cannot come back stays as
+  /// it is, and is no part of a step any more.
+  using Possible = std::function<bool(const std::string& field, const nlohmann::json& value)>;
   /// Takes back the newest step of which something still stands; steps of which nothing does stay
   /// where they are. False, and nothing changes, where there is none.
-  [[nodiscard]] bool undo(nlohmann::json& state);
+  [[nodiscard]] bool undo(nlohmann::json& state, const Possible& possible = {});
   /// The same for what was undone last.
-  [[nodiscard]] bool redo(nlohmann::json& state);
+  [[nodiscard]] bool redo(nlohmann::json& state, const Possible& possible = {});
 
   const std::vector<EditStepPtr>& done() const { return done_; }
   const std::vector<EditStepPtr>& undone() const { return undone_; }

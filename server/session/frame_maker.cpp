@@ -4,14 +4,24 @@
 
 namespace rimlight::server {
 
-/// An uploaded environment goes to the source when it is shown first.
+/// An uploaded environment goes to the source when it is shown first. A source cannot forget one:
+/// where another has taken its name, or too many have come and gone, a new source is made.
 void FrameMaker::prepare(const DesignState& state) {
+  const EnvironmentPtr uploaded = environments_.find_uploaded(state.environment);
+  const auto added = added_.find(state.environment);
+  const bool is_added = added != added_.end() && added->second == uploaded;
+  if (uploaded && !is_added && (added != added_.end() || added_.size() >= kMostUploads)) rest();
   if (!source_) source_ = scene_.make_source();
-  if (added_.contains(state.environment)) return;
-  if (const EnvironmentPtr uploaded = environments_.find_uploaded(state.environment)) {
-    source_->add_environment(uploaded);
-    added_.insert(state.environment);
-  }
+  if (!uploaded || is_added) return;
+  source_->add_environment(uploaded);
+  added_[state.environment] = uploaded;
+}
+
+void FrameMaker::rest() {
+  source_.reset();
+  added_.clear();
+  smaller_.clear();
+  image_ = {};
 }
 
 FrameMaker::Drawn FrameMaker::draw(const FrameTask& task, const std::function<bool()>& abandon) {
@@ -44,6 +54,8 @@ EncodedPtr FrameMaker::encode(const EncodeOrder& order) {
   auto frame = std::make_shared<EncodedFrame>();
   frame->order = order;
   frame->header = header_;
+  frame->is_preview = header_.exact && order.rung;
+  frame->header.exact = header_.exact && !order.rung;
   frame->payload = compress(order, frame->header);
   frame->made = queue_.now();
   frame->header.encode_ms = std::chrono::duration<double, std::milli>(frame->made - start).count();

@@ -6,7 +6,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,6 +54,8 @@ class FrameMaker {
   Drawn draw(const FrameTask& task, const std::function<bool()>& abandon);
   /// The picture that was drawn last. Throws Error when it cannot be encoded.
   EncodedPtr encode(const EncodeOrder& order);
+  /// Gives back what it draws with, until it draws again.
+  void rest();
   /// FrameSource::improve(), after a picture was drawn.
   Unfinished improve(const std::function<bool()>& abandon) { return source_->improve(abandon); }
 
@@ -70,8 +71,8 @@ class FrameMaker {
   const RenderQueue& queue_;
   const std::shared_ptr<ServerMetrics> metrics_;
   std::unique_ptr<FrameSource> source_;
-  FrameHeader header_;                        // of the picture
-  std::set<std::string, std::less<>> added_;  // uploaded environments that it has
+  FrameHeader header_;                           // of the picture
+  std::map<std::string, EnvironmentPtr> added_;  // uploaded environments that it has
   Rgb8Image image_;
   PictureScaler scaler_;
   struct Smaller {

@@ -43,6 +43,12 @@ void SessionEnvironments::check_room(const std::string& name) const {
   }
 }
 
+bool SessionEnvironments::remove(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  return std::erase_if(uploaded_, [&](const EnvironmentPtr& one) { return one->name() == name; }) >
+         0;
+}
+
 void SessionEnvironments::add(EnvironmentPtr environment) {
   check_room(environment->name());
   const std::lock_guard lock(mutex_);

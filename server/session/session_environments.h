@@ -30,6 +30,8 @@ class SessionEnvironments {
   void check_room(const std::string& name) const;
   /// Throws Error as check_room() does.
   void add(EnvironmentPtr environment);
+  /// Of an uploaded one; whether it was there.
+  bool remove(const std::string& name);
 
  private:
   const std::vector<std::string> of_scene_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 
 #include "core/base/error.h"
 #include "core/base/json_reader.h"
@@ -79,6 +80,7 @@ std::shared_ptr<DesignSession> SessionRegistry::open(const std::string& name,
 /// The session may have been dropped meanwhile, and opened again: what is open is told.
 void SessionRegistry::add_environment(DesignSession& session, const EnvironmentPtr& environment) {
   session.environments().check_room(environment->name());
+  if (session.is_deleted()) throw Error("session", "one that was deleted", "another");
   const std::string& scene = session.scene().name;
   if (uploads_ != nullptr) uploads_->add(scene, session.name(), *environment);
   const std::lock_guard lock(mutex_);
@@ -88,6 +90,59 @@ void SessionRegistry::add_environment(DesignSession& session, const EnvironmentP
   if (!current.environments().find_uploaded(environment->name())) {
     current.add_environment(environment);
   }
+}
+
+/// First where edits could name it, then on the disk: after a crash in between it is there again.
+void SessionRegistry::remove_environment(DesignSession& session, const std::string& name) {
+  const Key key{session.scene().name, session.name()};
+  std::shared_ptr<DesignSession> opened;  // it may have been dropped meanwhile, and opened again
+  {
+    const std::lock_guard lock(mutex_);
+    opened = find(key);
+  }
+  DesignSession& current = opened ? *opened : session;
+  const EnvironmentPtr removed = current.environments().find_uploaded(name);
+  current.remove_environment(name);
+  if (uploads_ == nullptr) return;
+  try {
+    uploads_->remove(key.first, key.second, name);
+  } catch (const Error&) {
+    current.add_environment(removed);
+    throw;
+  }
+  const std::lock_guard lock(mutex_);
+  ++drops_;  // who has read the folder before reads it again
+}
+
+void SessionRegistry::remove(DesignSession& session, const Author& by) {
+  const Key key{session.scene().name, session.name()};
+  try {
+    if (store_ != nullptr) erase_stored(key);
+  } catch (const Error&) {
+    session.cancel_deletion();
+    throw;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (find(key).get() == &session) sessions_.erase(key);
+    ++drops_;
+  }
+  session.end(by);
+  session.close();
+  if (uploads_ != nullptr) uploads_->remove_all(key.first, key.second);
+}
+
+void SessionRegistry::erase_stored(const Key& key) {
+  constexpr std::chrono::seconds kPatience{10};
+  const auto answered = std::make_shared<std::promise<std::optional<StoreError>>>();
+  auto answer = answered->get_future();
+  store_->remove(key.first, key.second, [answered](const std::optional<StoreError>& refusal) {
+    answered->set_value(refusal);
+  });
+  if (answer.wait_for(kPatience) != std::future_status::ready) {
+    throw StoreError("session " + quote(key.second), "a store that does not answer", "a disk");
+  }
+  if (const std::optional<StoreError> refusal = answer.get()) throw StoreError(*refusal);
 }
 
 std::shared_ptr<DesignSession> SessionRegistry::join_open(const std::string& name,
@@ -122,6 +177,7 @@ void SessionRegistry::drop_idle(Clock::time_point now) {
     const auto since = entry.second->idle_since();
     return since && now - *since >= settings_.idle;
   }));
+  for (const auto& [key, session] : sessions_) session->rest(now, settings_.rest);
 }
 
 void SessionRegistry::finish() {

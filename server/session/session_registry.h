@@ -16,7 +16,8 @@ namespace rimlight::server {
 struct RegistrySettings {
   SessionSettings session;
   std::size_t most_sessions = 64;
-  std::chrono::seconds idle{600};  // a session that nobody has open is kept so long
+  std::chrono::seconds idle{600};  // a session that nobody has open is kept so long,
+  std::chrono::seconds rest{30};   // and what it draws with so long
 };
 
 /// The design sessions by name: created on first use, shared by all who open the same name and
@@ -58,7 +59,14 @@ class SessionRegistry {
   /// Keeps an uploaded environment, and shows it from now on. Throws Error as
   /// EnvironmentFolder::add() and DesignSession::add_environment() do. Writes to the disk.
   void add_environment(DesignSession& session, const EnvironmentPtr& environment);
-  /// Forgets sessions that have been idle for too long.
+  /// An uploaded one is no more. Throws Error where it is in use or not there, and where the disk
+  /// refuses. Writes to the disk.
+  void remove_environment(DesignSession& session, const std::string& name);
+  /// Deletes a session that began_deletion(), with its uploads, in the store too; its clients are
+  /// told by whom, and leave. Throws StoreError, and it stays, when the store refuses. Waits for
+  /// the disk.
+  void remove(DesignSession& session, const Author& by);
+  /// Forgets sessions that have been idle for too long; others rest.
   void drop_idle(Clock::time_point now);
   /// Sessions take no more edits, later ones too: DesignSession::finish().
   void finish();
@@ -81,6 +89,7 @@ class SessionRegistry {
                                         Clock::time_point now,
                                         const std::function<void(DesignSession&)>& use);
   bool make_room();
+  void erase_stored(const Key& key);
   KeptSession load(const ServedScene& scene, const std::string& name);
   std::int64_t next_epoch(std::int64_t stored);
 

@@ -20,6 +20,7 @@ struct Visitor {
   Role role = Role::owner;
   std::string resume = {};                // a resume token, or empty
   std::optional<std::int64_t> seen = {};  // the number of the last revision that it had
+  bool parts = false;                     // Display::parts, until it says more
 };
 
 /// The users of one session: who has it open, and whom a resume token makes one again. A user is

@@ -30,7 +30,11 @@ void travel(const Travel& command, const SessionVersion& base,
             EditHistory& history) {
   const bool back = command.direction == Travel::Direction::undo;
   json state = *base.json;
-  if (!(back ? history.undo(state) : history.redo(state))) {
+  const auto possible = [&](const std::string& field, const json& value) {
+    return field != "/environment" ||
+           std::ranges::any_of(environments, [&](const std::string& one) { return value == one; });
+  };
+  if (!(back ? history.undo(state, possible) : history.redo(state, possible))) {
     throw Error("message: /type", back ? "an undo" : "a redo",
                 back ? "a step of yours of which something still stands"
                      : "a step that you undid and nobody has replaced");
@@ -174,6 +178,14 @@ std::vector<SnapshotLabel> SessionVersion::labels() const {
   return labels;
 }
 
+std::string SessionVersion::use_of(const std::string& environment) const {
+  if (state.environment == environment) return "the session shows";
+  for (const auto& [name, snapshot] : snapshots) {
+    if (snapshot->state.environment == environment) return "the snapshot " + quote(name) + " shows";
+  }
+  return {};
+}
+
 HistoryDepth SessionVersion::depth_of(std::int64_t user) const {
   const auto found = editors.find(user);
   if (found == editors.end()) return {};
@@ -217,12 +229,14 @@ SessionVersion next_version(const SessionVersion& base, const Command& command,
   if (const auto* const edit = std::get_if<Edit>(&command)) {
     DesignState state = base.state;
     apply_edit(*edit, state);
+    check_environment(state, environments);  // it may have been deleted since the edit was read
     set_state(base, std::move(state), edit->gesture, next, history);
   } else if (const auto* const there = std::get_if<Travel>(&command)) {
     travel(*there, base, environments, next, history);
   } else if (const auto* const snapshot = std::get_if<SnapshotCommand>(&command)) {
     use_snapshot(*snapshot, base, who, environments, at_ms, next, history);
   } else {
+    check_environment(std::get<Import>(command).state, environments);
     set_state(base, std::get<Import>(command).state, "", next, history);
   }
   editor = {who.author.name, who.token_hash, next.revision.number,

@@ -54,6 +54,9 @@ struct SessionVersion {
   /// For the lists of messages.
   std::vector<SnapshotLabel> labels() const;
   HistoryDepth depth_of(std::int64_t user) const;
+  /// What shows an environment, in words; empty where nothing does. Steps that can be undone do not
+  /// count: EditHistory::Possible.
+  std::string use_of(const std::string& environment) const;
 };
 
 /// A session that nobody has edited.

@@ -51,6 +51,11 @@ void DesignSession::reschedule(Clock::time_point now) {
 DesignSession::Task DesignSession::begin_task(Clock::time_point now) {
   Task task{Work::none, {version_.state, version_.revision}};
   if (closed_.load()) return task;
+  if (rest_ == Rest::wanted) {
+    rest_ = Rest::taken;
+    task.kind = Work::rest;
+    return task;
+  }
   if (moving_since_) {
     task.kind = Work::moving;
     task.frame.queue_ms = milliseconds(now - *std::exchange(moving_since_, std::nullopt));
@@ -80,7 +85,9 @@ void DesignSession::work(Clock::time_point) noexcept {
   }
   if (task.kind != Work::none) {
     try {
-      if (task.kind == Work::improve) {
+      if (task.kind == Work::rest) {
+        maker_.rest();
+      } else if (task.kind == Work::improve) {
         improve(task.frame);
       } else if (task.kind == Work::again) {
         encode_again();

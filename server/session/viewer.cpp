@@ -54,6 +54,7 @@ SharedStream::Member Viewer::as_member() const {
 
 bool Viewer::accepts(const EncodedFrame& frame, bool has_stream) const {
   if (!frame.order.rung) return true;
+  if (frame.is_preview) return *frame.order.rung == preview_rung();
   if (frame.order.stream) {
     return *frame.order.rung == rung() && frame.order.stream->can_follow(kept_);
   }
@@ -61,9 +62,15 @@ bool Viewer::accepts(const EncodedFrame& frame, bool has_stream) const {
   return *frame.order.rung == rung();
 }
 
+std::size_t Viewer::preview_rung() const {
+  const std::size_t first = rungs_for({.most_pixels = display_.most_pixels}, width_, height_).first;
+  return server::preview_rung(parts_.bytes(), first, width_, height_);
+}
+
 void Viewer::send(const EncodedPtr& frame, Clock::time_point now) {
   RIMLIGHT_CHECK(!in_flight_);
-  shown_ = frame->header.frame;
+  shown_ = frame->header.frame - (frame->is_preview ? 1 : 0);
+  seen_ = frame->header.revision;
   if (frame->order.stream) frame->order.stream->keep(kept_);
   send_part(frame, 0, now);
 }
@@ -71,7 +78,7 @@ void Viewer::send(const EncodedPtr& frame, Clock::time_point now) {
 void Viewer::send_part(const EncodedPtr& frame, std::size_t offset, Clock::time_point now) {
   const std::size_t size = frame->payload->size();
   const bool may_split = display_.parts && !frame->order.rung;
-  const std::size_t most = may_split ? part_bytes(meter_.ms_per_byte()) : size;
+  const std::size_t most = may_split ? parts_.bytes() : size;
   const std::size_t bytes = std::min(most, size - offset);
   FrameHeader header = frame->header;
   header.wait_ms = std::max(0.0, milliseconds(now - frame->made));
@@ -82,16 +89,16 @@ void Viewer::send_part(const EncodedPtr& frame, std::size_t offset, Clock::time_
 }
 
 void Viewer::measure(const InFlight& acknowledged, Clock::time_point now) {
-  const double queue_ms =
-      meter_.record(acknowledged.bytes, milliseconds(now - acknowledged.sent), now);
+  const double delay_ms = milliseconds(now - acknowledged.sent);
+  const double queue_ms = meter_.record(acknowledged.bytes, delay_ms, now);
+  parts_.record(acknowledged.bytes, delay_ms, queue_ms, meter_.ms_per_byte());
   const EncodeOrder& order = acknowledged.frame->order;
-  if (!order.rung) return;
-  if (!order.stream || !order.stream->links.is_key()) {
-    // A key frame is larger than those that the rung is judged by.
-    const std::size_t rung = climber_.rung();
-    climber_.record(*order.rung, queue_ms, now);
-    if (climber_.rung() != rung) leave_stream();
-  }
+  const std::size_t rung = climber_.rung();
+  // A key frame is larger than those that the rung is judged by.
+  const bool is_key = order.stream && order.stream->links.is_key();
+  if (order.rung && !is_key) climber_.record(*order.rung, queue_ms, now);
+  climber_.expect(meter_.ms_per_byte(), double{1} * width_ * height_ / (512 * 512));
+  if (climber_.rung() != rung) leave_stream();
 }
 
 AckResult Viewer::acknowledge(std::int64_t frame, const Revision& newest, Clock::time_point now) {

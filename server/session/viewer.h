@@ -40,8 +40,14 @@ class Viewer {
   bool is_member(std::size_t rung, Clock::time_point now) const;
   SharedStream::Member as_member() const;
   /// Whether it has what the frame is predicted from, and wants its like. `has_stream`: it follows
-  /// the stream of its rung, and wants no JPEG.
+  /// the stream of its rung, and wants no JPEG. Of previews, whether it is on their rung.
   bool accepts(const EncodedFrame& frame, bool has_stream) const;
+  /// Whether a lossless image of that many bytes would go to it in parts.
+  bool would_split(std::size_t bytes) const { return display_.parts && bytes > parts_.bytes(); }
+  /// Whether it has seen nothing of that revision, not even roughly.
+  bool has_not_seen(const Revision& revision) const { return seen_ < revision; }
+  /// Of JPEG, for its first look at a picture that comes in parts.
+  std::size_t preview_rung() const;
   const KeptPictures& kept() const { return kept_; }
 
   /// It must be ready.
@@ -70,9 +76,11 @@ class Viewer {
   LadderClimber climber_;
   DelayMeter meter_;
   std::optional<InFlight> in_flight_;
+  PartSizer parts_;
   EncodedPtr owed_;
   KeptPictures kept_;        // by its decoder, after what is in flight
-  std::int64_t shown_ = -1;  // the newest picture that it was sent
+  std::int64_t shown_ = -1;  // the newest picture that it was sent, other than as a preview
+  Revision seen_;            // the newest that it was sent a picture of
 };
 
 }  // namespace rimlight::server

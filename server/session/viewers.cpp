@@ -1,13 +1,15 @@
 #include "server/session/viewers.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 namespace rimlight::server {
 
-void Viewers::join(const std::shared_ptr<Client>& client, Part part) {
+void Viewers::join(const std::shared_ptr<Client>& client, Part part, const Display& display) {
   viewers_.emplace_back(client, ++joined_, width_, height_);
   viewers_.back().only_watches = part == Part::watches;
+  viewers_.back().set_display(display);
 }
 
 void Viewers::leave(const Client& client) {
@@ -70,9 +72,22 @@ bool Viewers::has_stream(const Viewer& viewer) const {
   return viewer.rung() < kVp8Rungs && streams_[viewer.rung()].follows(viewer.kept());
 }
 
+EncodedPtr Viewers::find_lossless() const {
+  const auto found = std::find_if(encoded_.begin(), encoded_.end(),
+                                  [](const EncodedPtr& frame) { return !frame->order.rung; });
+  return found == encoded_.end() ? nullptr : *found;
+}
+
+bool Viewers::wants_preview(const Viewer& viewer) const {
+  const EncodedPtr lossless = find_lossless();
+  return lossless && viewer.would_split(lossless->payload->size()) &&
+         viewer.has_not_seen(newest_->revision);
+}
+
 EncodedPtr Viewers::find_newest(const Viewer& viewer) const {
+  const bool is_preview = wants_preview(viewer);
   const auto found = std::find_if(encoded_.begin(), encoded_.end(), [&](const EncodedPtr& frame) {
-    return viewer.accepts(*frame, has_stream(viewer));
+    return frame->is_preview == is_preview && viewer.accepts(*frame, has_stream(viewer));
   });
   return found == encoded_.end() ? nullptr : *found;
 }
@@ -84,7 +99,12 @@ void Viewers::offer_newest(const Client& client, Clock::time_point now) {
 void Viewers::offer_newest(Viewer& viewer, Clock::time_point now) {
   if (!newest_ || !viewer.is_ready() || !viewer.lacks(newest_->frame)) return;
   if (!may_take(viewer, newest_->is_exact)) return;
-  if (const EncodedPtr frame = find_newest(viewer)) viewer.send(frame, now);
+  const EncodedPtr frame = find_newest(viewer);
+  if (!frame) return;
+  // Parts of what is out of date would only be in the way of the frame that is to come.
+  const bool in_parts = !frame->order.rung && viewer.would_split(frame->payload->size());
+  if (in_parts && newest_->revision < expected_) return;
+  viewer.send(frame, now);
 }
 
 std::vector<EncodeOrder> Viewers::show(const DrawnPicture& picture, Clock::time_point now) {
@@ -98,7 +118,9 @@ std::vector<EncodeOrder> Viewers::show_again(Clock::time_point now) const {
 }
 
 std::vector<EncodeOrder> Viewers::plan(SharedStream::Kind kind, Clock::time_point now) const {
-  if (newest_->is_exact) return {EncodeOrder{}};
+  if (newest_->is_exact) {
+    return find_lossless() ? plan_previews() : std::vector<EncodeOrder>{EncodeOrder{}};
+  }
   std::vector<EncodeOrder> orders;
   std::array<bool, kRungs.size()> wants{};
   for (std::size_t rung = 0; rung < kVp8Rungs; ++rung) {
@@ -117,6 +139,16 @@ std::vector<EncodeOrder> Viewers::plan(SharedStream::Kind kind, Clock::time_poin
   for (std::size_t rung = kVp8Rungs; rung < kRungs.size(); ++rung) {
     if (wants[rung]) orders.push_back({rung, std::nullopt});
   }
+  return orders;
+}
+
+std::vector<EncodeOrder> Viewers::plan_previews() const {
+  std::set<std::size_t> rungs;
+  for (const Viewer& viewer : viewers_) {
+    if (is_lacking(viewer)) rungs.insert(viewer.preview_rung());
+  }
+  std::vector<EncodeOrder> orders;
+  for (const std::size_t rung : rungs) orders.push_back({rung, std::nullopt});
   return orders;
 }
 

@@ -14,8 +14,9 @@ namespace rimlight::server {
 /// The clients of a session, and what is encoded for them: each picture once for all on a rung, at
 /// most three VP8 streams. What waits for a client that cannot take a frame yet is not a frame but
 /// that it lacks the newest picture: an encode of it that others got, or one that is made when it
-/// is ready. So a slow client gets fewer frames, never older ones, and always the last. One thread
-/// at a time: the session's mutex.
+/// is ready. So a slow client gets fewer frames, never older ones, and always the last. Whom a
+/// lossless picture would reach in parts, and who has seen nothing of its revision, gets a small
+/// JPEG of it first: a preview. One thread at a time: the session's mutex.
 class Viewers {
  public:
   using Viewer = server::Viewer;
@@ -30,7 +31,8 @@ class Viewers {
 
   /// Who may only watch comes second under overload.
   enum class Part { edits, watches };
-  void join(const std::shared_ptr<Client>& client, Part part = Part::edits);
+  void join(const std::shared_ptr<Client>& client, Part part = Part::edits,
+            const Display& display = {});
   void leave(const Client& client);
   /// Nothing when it has left.
   const Viewer* find(const Client& client) const;
@@ -71,6 +73,10 @@ class Viewers {
   Viewer* find_viewer(const Client& client);
   bool has_stream(const Viewer& viewer) const;
   EncodedPtr find_newest(const Viewer& viewer) const;
+  /// The newest picture, losslessly; null when it is not exact, or not encoded.
+  EncodedPtr find_lossless() const;
+  bool wants_preview(const Viewer& viewer) const;
+  std::vector<EncodeOrder> plan_previews() const;
   bool may_take(const Viewer& viewer, bool is_exact) const;
   bool is_lacking(const Viewer& viewer) const;
   void offer_newest(Viewer& viewer, Clock::time_point now);

@@ -22,9 +22,15 @@ void WaitingEdits::add(WaitingEdit edit, const SessionVersion& base, std::int64_
   row.scene = scene_;
   row.session = session_;
   row.before = stored_;
-  store_.append(std::move(row), std::move(answer));
-  stored_ = edit.version.revision;
+  // First, since it may find no memory: what the store has taken must have its place here.
   edits_.push_back(std::move(edit));
+  try {
+    store_.append(std::move(row), std::move(answer));
+  } catch (...) {
+    edits_.pop_back();
+    throw;
+  }
+  stored_ = edits_.back().version.revision;
 }
 
 WaitingEdit WaitingEdits::take(Outcome outcome) {

@@ -3,6 +3,7 @@
 #include <openssl/evp.h>
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -137,6 +138,51 @@ void EnvironmentFolder::add(const std::string& scene, const std::string& session
   std::erase_if(list, [&](const Listed& one) { return one.name == environment.name(); });
   list.push_back({environment.name(), hash});
   write_file_atomically(list_of(scene, session), write_list(list));
+}
+
+void EnvironmentFolder::remove(const std::string& scene, const std::string& session,
+                               const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  std::vector<Listed> list = read_list(list_of(scene, session));
+  std::erase_if(list, [&](const Listed& one) { return one.name == name; });
+  write_file_atomically(list_of(scene, session), write_list(list));
+  collect_locked();
+}
+
+void EnvironmentFolder::remove_all(const std::string& scene, const std::string& session) {
+  const std::lock_guard lock(mutex_);
+  std::error_code failure;
+  const bool was_there = fs::remove(list_of(scene, session), failure);
+  if (failure) throw Error(list_of(scene, session).string(), failure.message(), "a disk");
+  if (was_there) collect_locked();
+}
+
+std::size_t EnvironmentFolder::collect() {
+  const std::lock_guard lock(mutex_);
+  return collect_locked();
+}
+
+/// Where a list cannot be read nothing is deleted: it may name anything.
+std::size_t EnvironmentFolder::collect_locked() {
+  std::set<std::string> listed;
+  std::vector<fs::path> pictures;
+  try {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+      const fs::path& file = entry.path();
+      if (file.extension() == ".exr" && is_hash(file.stem().string())) pictures.push_back(file);
+      if (file.extension() != ".json") continue;
+      for (const Listed& one : read_list(file)) listed.insert(one.hash);
+    }
+  } catch (const std::exception& error) {  // Error, or of the directory
+    log_event(Severity::warning, "environments_not_collected", {{"detail", error.what()}});
+    return 0;
+  }
+  std::size_t deleted = 0;
+  for (const fs::path& file : pictures) {
+    std::error_code ignored;
+    if (!listed.contains(file.stem().string())) deleted += fs::remove(file, ignored) ? 1 : 0;
+  }
+  return deleted;
 }
 
 }  // namespace rimlight::server

@@ -24,8 +24,15 @@ class EnvironmentFolder {
   /// On the disk when it returns. Throws Error, and changes nothing, when the disk refuses or the
   /// folder is full.
   void add(const std::string& scene, const std::string& session, const Environment& environment);
+  /// One of a session's, or all; what no session lists any more is deleted with it. Nothing happens
+  /// where there is none. Throws Error, and changes nothing, when the disk refuses.
+  void remove(const std::string& scene, const std::string& session, const std::string& name);
+  void remove_all(const std::string& scene, const std::string& session);
+  /// Deletes what no session lists: of a server that ended in the middle. How many files.
+  std::size_t collect();
 
  private:
+  std::size_t collect_locked();
   std::filesystem::path list_of(const std::string& scene, const std::string& session) const;
   std::uint64_t bytes() const;
 

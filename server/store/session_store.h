@@ -33,6 +33,9 @@ class SessionStore {
   /// when the session is not at `before`: the edit that it was made on was refused itself. Throws
   /// StoreError, and takes nothing, when too many wait or the disk does not answer.
   virtual void append(StoredEdit edit, Answer answer) = 0;
+  /// Deletes a session with all that belongs to it, after all edits that were taken before; one
+  /// that is not there too. Answered as they are.
+  virtual void remove(const std::string& scene, const std::string& session, Answer answer) = 0;
   /// Waits until all that were taken have been answered; false after `most`.
   [[nodiscard]] virtual bool drain(std::chrono::milliseconds most) = 0;
   /// Why new edits are not likely to be kept now, in words that tell a stranger nothing; nothing

@@ -172,20 +172,22 @@ std::vector<ListedSession> SessionTables::list() {
 bool SessionTables::remove(const std::string& scene, const std::string& session) {
   begin();
   try {
-    SqliteStatement log(database_,
-                        "DELETE FROM edits WHERE session IN "
-                        "(SELECT id FROM sessions WHERE scene = ? AND name = ?)");
-    log.bind(scene).bind(session).step();
-    SqliteStatement row(database_,
-                        "DELETE FROM sessions WHERE scene = ? AND name = ? RETURNING id");
-    const bool was_there = row.bind(scene).bind(session).step();
-    row.reset();
+    const bool was_there = erase(scene, session);
     commit();
     return was_there;
   } catch (const SqliteError&) {
     roll_back();
     throw;
   }
+}
+
+bool SessionTables::erase(const std::string& scene, const std::string& session) {
+  SqliteStatement log(database_,
+                      "DELETE FROM edits WHERE session IN "
+                      "(SELECT id FROM sessions WHERE scene = ? AND name = ?)");
+  log.bind(scene).bind(session).step();
+  SqliteStatement row(database_, "DELETE FROM sessions WHERE scene = ? AND name = ? RETURNING id");
+  return row.bind(scene).bind(session).step();
 }
 
 void SessionTables::begin() { SqliteUse(begin_)->step(); }

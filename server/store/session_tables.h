@@ -50,6 +50,8 @@ class SessionTables {
   /// With all that belongs to it; false when there is none. Durable when it returns.
   [[nodiscard]] bool remove(const std::string& scene, const std::string& session);
   void begin();
+  /// remove(), within what begin() began.
+  bool erase(const std::string& scene, const std::string& session);
   /// False, and nothing is changed, when the session is not at `edit.before`.
   [[nodiscard]] bool append(const StoredEdit& edit);
   void commit();

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <exception>
+#include <new>
 #include <utility>
 
 namespace rimlight::server {
@@ -26,6 +28,8 @@ SqliteStore::SqliteStore(const SqliteStoreSettings& settings)
       most_waiting_bytes_(settings.most_waiting_bytes),
       file_(settings.file.string()),
       metrics_(settings.metrics),
+      no_memory_(std::make_shared<const std::optional<StoreError>>(
+          StoreError(file_, "no memory for an edit", "some: send it again later"))),
       tables_(settings),
       writer_([this](const std::stop_token& stop) { run(stop); }) {}
 
@@ -42,14 +46,28 @@ std::optional<StoredSession> SqliteStore::load(const std::string& scene,
 
 void SqliteStore::append(StoredEdit edit, Answer answer) {
   const std::size_t bytes = bytes_of(edit);
+  take({std::move(edit), std::move(answer), bytes});
+}
+
+void SqliteStore::remove(const std::string& scene, const std::string& session, Answer answer) {
+  StoredEdit whole;
+  whole.scene = scene;
+  whole.session = session;
+  Waiting waiting{std::move(whole), std::move(answer), sizeof(StoredEdit)};
+  waiting.deletes = true;
+  take(std::move(waiting));
+}
+
+void SqliteStore::take(Waiting waiting) {
   {
     const std::lock_guard lock(mutex_);
-    if (doubt_) throw StoreError(*doubt_);
+    if (doubt_) throw StoreError(**doubt_);
+    const std::size_t bytes = waiting.bytes;
     if (waiting_ >= most_waiting_ || waiting_bytes_ + bytes > most_waiting_bytes_) {
       throw StoreError(file_, std::to_string(waiting_) + " edits that wait for the disk",
                        "fewer: send it again later");
     }
-    queue_.push_back({std::move(edit), std::move(answer), bytes, Clock::now(), std::nullopt});
+    queue_.push_back(std::move(waiting));  // first: it may find no memory
     ++waiting_;
     waiting_bytes_ += bytes;
     metrics_->edits_waiting(waiting_, waiting_bytes_);
@@ -67,21 +85,22 @@ std::int64_t SqliteStore::commits() const {
   return commits_;
 }
 
+/// Nothing here may throw: where there is no memory, edits are refused.
 void SqliteStore::run(const std::stop_token& stop) {
   for (;;) {
-    Batch batch;
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, stop, [this] { return !queue_.empty(); });
       if (queue_.empty()) return;  // only when stopped
-      batch.swap(queue_);
+      batch_.swap(queue_);
       committing_since_ = Clock::now();
     }
     const Clock::time_point began = Clock::now();
-    const Commit result = write(batch);
-    count(batch, result, began);
-    if (result != Commit::in_doubt || resolve_doubt(stop)) answer(batch);
-    forget(batch);
+    const Commit result = write(batch_);
+    count(batch_, result, began);
+    if (result != Commit::in_doubt || resolve_doubt(stop)) answer(batch_);
+    forget(batch_);
+    batch_.clear();
   }
 }
 
@@ -92,25 +111,43 @@ SqliteStore::Commit SqliteStore::write(Batch& batch) {
   try {
     tables_.begin();
     for (Waiting& waiting : batch) {
+      if (waiting.deletes) {
+        (void)tables_.erase(waiting.edit.scene, waiting.edit.session);
+        continue;
+      }
       if (tables_.append(waiting.edit)) continue;
-      waiting.refusal = StoreError(file_, "an edit of a revision that is not the session's",
-                                   "the edit before it to be kept: send it again");
+      waiting.refusal = std::make_shared<const std::optional<StoreError>>(
+          StoreError(file_, "an edit of a revision that is not the session's",
+                     "the edit before it to be kept: send it again"));
     }
     committing = true;
     tables_.commit();
   } catch (const SqliteError& error) {
-    tables_.roll_back();
-    if (!std::exchange(failing_, true)) spdlog::error("{}: edits are refused", error.what());
-    for (Waiting& waiting : batch) waiting.refusal = error;
-    if (!committing || error.is_full()) return Commit::failed;
-    const std::lock_guard doubt(mutex_);
-    doubt_ = error;
-    return Commit::in_doubt;
+    const bool surely = !committing || error.is_full();
+    Refusal refusal = no_memory_;
+    try {
+      refusal = std::make_shared<const std::optional<StoreError>>(error);
+    } catch (const std::bad_alloc&) {  // then that is the reason to tell
+    }
+    return refuse(batch, refusal, surely ? Commit::failed : Commit::in_doubt);
+  } catch (const std::bad_alloc&) {
+    return refuse(batch, no_memory_, committing ? Commit::in_doubt : Commit::failed);
   }
   if (std::exchange(failing_, false)) spdlog::info("{}: edits are stored again", file_);
   const std::lock_guard counted(mutex_);
   ++commits_;
   return Commit::kept;
+}
+
+SqliteStore::Commit SqliteStore::refuse(Batch& batch, const Refusal& refusal, Commit result) {
+  tables_.roll_back();
+  if (!std::exchange(failing_, true)) spdlog::error("{}: edits are refused", (*refusal)->what());
+  for (Waiting& waiting : batch) waiting.refusal = refusal;
+  if (result == Commit::in_doubt) {
+    const std::lock_guard doubt(mutex_);
+    doubt_ = refusal;
+  }
+  return result;
 }
 
 /// Of the commit that began then and has ended now.
@@ -145,6 +182,8 @@ bool SqliteStore::resolve_doubt(const std::stop_token& stop) {
       break;
     } catch (const SqliteError&) {
       tables_.roll_back();
+    } catch (const std::bad_alloc&) {
+      tables_.roll_back();
     }
     std::unique_lock lock(mutex_);
     if (stop.stop_requested()) return false;
@@ -156,7 +195,14 @@ bool SqliteStore::resolve_doubt(const std::stop_token& stop) {
 }
 
 void SqliteStore::answer(const Batch& batch) {
-  for (const Waiting& waiting : batch) waiting.answer(waiting.refusal);
+  static const std::optional<StoreError> kKept;
+  for (const Waiting& waiting : batch) {
+    try {
+      waiting.answer(waiting.refusal ? *waiting.refusal : kKept);
+    } catch (const std::exception& error) {  // others wait for theirs
+      spdlog::error("{}: an answer was lost: {}", file_, error.what());
+    }
+  }
 }
 
 void SqliteStore::forget(const Batch& batch) {

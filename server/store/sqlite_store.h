@@ -31,6 +31,7 @@ class SqliteStore final : public SessionStore {
 
   std::optional<StoredSession> load(const std::string& scene, const std::string& session) override;
   void append(StoredEdit edit, Answer answer) override;
+  void remove(const std::string& scene, const std::string& session, Answer answer) override;
   [[nodiscard]] bool drain(std::chrono::milliseconds most) override;
   /// The last commit failed, a few seconds ago at most; or one takes seconds.
   std::optional<std::string> trouble() const override;
@@ -40,18 +41,24 @@ class SqliteStore final : public SessionStore {
 
  private:
   using Clock = std::chrono::steady_clock;
+  /// Why an edit is not kept; null: it is. Shared, so that where memory is short it can be told
+  /// without any.
+  using Refusal = std::shared_ptr<const std::optional<StoreError>>;
   struct Waiting {
     StoredEdit edit;
     Answer answer;
     std::size_t bytes = 0;
     Clock::time_point came = Clock::now();
-    std::optional<StoreError> refusal = {};
+    Refusal refusal = {};
+    bool deletes = false;  // the whole session
   };
   using Batch = std::deque<Waiting>;
   enum class Commit { kept, failed, in_doubt };
 
   void run(const std::stop_token& stop);
+  void take(Waiting waiting);
   Commit write(Batch& batch);
+  Commit refuse(Batch& batch, const Refusal& refusal, Commit result);
   bool resolve_doubt(const std::stop_token& stop);
   void count(const Batch& batch, Commit result, Clock::time_point began);
   void answer(const Batch& batch);
@@ -60,6 +67,7 @@ class SqliteStore final : public SessionStore {
   const std::size_t most_waiting_, most_waiting_bytes_;
   const std::string file_;
   const std::shared_ptr<ServerMetrics> metrics_;
+  const Refusal no_memory_;
   std::mutex tables_mutex_;  // before the other one, where both are held
   SessionTables tables_;
   bool failing_ = false;  // the last commit failed
@@ -70,7 +78,8 @@ class SqliteStore final : public SessionStore {
   std::size_t waiting_ = 0, waiting_bytes_ = 0;  // queued and in the commit in progress
   std::int64_t commits_ = 0;
   std::optional<Clock::time_point> committing_since_, failed_;
-  std::optional<StoreError> doubt_;  // why the disk does not answer
+  Refusal doubt_;  // why the disk does not answer; null when it does
+  Batch batch_;    // the writer's own: of the commit in progress
   std::jthread writer_;
 };
 

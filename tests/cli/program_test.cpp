@@ -189,6 +189,29 @@ TEST_F(Program, LoadPlaysOnlySequencesThatEditsCanShow) {
   EXPECT_EQ(load({"--sequence", "rotation", "--script", "x.json"}).status, 2);
 }
 
+TEST_F(Program, ReportsStabilityAndFailsWhereACaseDoes) {
+  const ProgramResult sound = run_program(
+      {"report", "stability", "--case", "poles", "all-black", "-o", path("report"), "--json"});
+  ASSERT_EQ(sound.status, 0) << sound.errors;
+  const json report = json::parse(sound.output);
+  EXPECT_EQ(report.at("failed"), 0);
+  ASSERT_EQ(report.at("rows").size(), 2u);
+  EXPECT_EQ(report.at("rows")[0].at("case"), "all-black");
+  EXPECT_EQ(report, json::parse(read_file(folder_ / "report" / "stability.json", kMostBytes)));
+
+  const ProgramResult broken =
+      run_program({"report", "stability", "--break", "poles", "-o", path("report"), "--json"});
+  EXPECT_EQ(broken.status, 1);
+  EXPECT_EQ(json::parse(broken.output).at("rows")[0].at("pass"), false);
+  EXPECT_THAT(broken.errors, HasSubstr("expected at most 2.5e-12 (what sh::evaluate() promises"));
+
+  const ProgramResult list = run_program({"report", "stability", "--list"});
+  EXPECT_EQ(list.status, 0);
+  EXPECT_THAT(list.output, HasSubstr("one-column-a-frame"));
+  EXPECT_EQ(run_program({"report", "stability", "--part", "weather"}).status, 1);
+  EXPECT_EQ(run_program({"report", "stability", "--edits", "0"}).status, 2);
+}
+
 TEST_F(Program, ReportsErrorAgainstTimeToFilesAndOutput) {
   write(folder_ / "scene.json", small_scene(64));
   ASSERT_EQ(

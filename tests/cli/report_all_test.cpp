@@ -19,6 +19,19 @@ using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+/// Built with a sanitizer nothing is done in the time that it would take else.
+#if defined(RIMLIGHT_THREAD_SANITIZER) || defined(__SANITIZE_ADDRESS__)
+constexpr bool kIsInTime = false;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+constexpr bool kIsInTime = false;
+#else
+constexpr bool kIsInTime = true;
+#endif
+#else
+constexpr bool kIsInTime = true;
+#endif
+
 constexpr std::size_t kMostBytes = std::size_t{1} << 26;
 
 TEST(TimeShares, EachGetsItsPartOfWhatIsLeft) {
@@ -62,20 +75,24 @@ TEST(ReportAll, WritesOnePageOfAllThatItMeasured) {
     "bake": { "width": 32, "height": 32, "cube_size": 8, "bounces": 1 } })";
   const auto result =
       run_program({"report", "all", (folder / "ball.json").string(), "-o",
-                   (folder / "report").string(), "--minutes", "1", "--light", "studio"});
+                   (folder / "report").string(), "--minutes", "2", "--light", "studio"});
   ASSERT_EQ(result.status, 0) << result.errors;
   const auto written = folder / "report" / "ball";
   for (const char* const name :
        {"bake", "codecs", "serving", "equal-time", "error-vs-time", "storage"}) {
-    const json report = json::parse(read_file(written / (std::string(name) + ".json"), kMostBytes));
+    const auto file = written / (std::string(name) + ".json");
+    if (!kIsInTime && !std::filesystem::exists(file)) continue;
+    const json report = json::parse(read_file(file, kMostBytes));
     EXPECT_EQ(report.at("experiment"), name);
     EXPECT_FALSE(report.at("rows").empty()) << name;
   }
   const std::string page = read_file(folder / "report" / "index.html", kMostBytes);
   EXPECT_THAT(page, HasSubstr("Bake: A &lt;ball&gt;"));
-  EXPECT_THAT(page, HasSubstr("benefit@8ms"));
   EXPECT_THAT(page, HasSubstr("report all"));
-  EXPECT_THAT(page, HasSubstr("Spherical harmonics of vertices: policies"));
+  if (kIsInTime) {
+    EXPECT_THAT(page, HasSubstr("benefit@8ms"));
+    EXPECT_THAT(page, HasSubstr("Spherical harmonics of vertices: policies"));
+  }
   EXPECT_THAT(page, Not(HasSubstr("Failed:")));
 }
 

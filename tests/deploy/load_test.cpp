@@ -191,11 +191,21 @@ TEST_F(Load, StreamingCostsLittleOverTheSameWorkInALoop) {
 
 TEST_F(Load, WhatVanishedClientsTookComesBack) {
   const int rounds = long_form_bake() != nullptr ? 60 : 4;
-  constexpr int kClients = 100;
+  constexpr int kClients = 100, kSessions = 40;
+  // What a session draws with is made when somebody first waits for a frame; those who vanish do so
+  // now and then only, and it would look like growth.
+  for (int i = 0; i < kSessions; ++i) {
+    StreamClient client(server_->url(), "/sessions/gone-" + std::to_string(i) + "/stream");
+    const auto end = Clock::now() + seconds(30);
+    while (!std::holds_alternative<StreamClient::Binary>(client.receive(end)) &&
+           Clock::now() < end) {
+    }
+    ASSERT_LT(Clock::now(), end);
+  }
   const auto vanish = [&](int round) {
     std::vector<std::unique_ptr<StreamClient>> clients;
     for (int i = 0; i < kClients; ++i) {
-      const std::string session = "gone-" + std::to_string((round * kClients + i) % 40);
+      const std::string session = "gone-" + std::to_string((round * kClients + i) % kSessions);
       clients.push_back(
           std::make_unique<StreamClient>(server_->url(), "/sessions/" + session + "/stream"));
       (void)clients.back()->send_text(R"({"type":"edit","id":"1","exposure":0.5})");
@@ -222,7 +232,7 @@ TEST_F(Load, WhatVanishedClientsTookComesBack) {
               rounds * kClients, files, metric("process_open_fds"),
               grown / 1000 / (rounds - rounds / 2.0) / kClients);
   EXPECT_LE(metric("process_open_fds"), files + 4);
-  EXPECT_LT(grown, 64e6);
+  EXPECT_LT(grown, 16e6);  // what the kernel and the allocator round up to
 }
 
 }  // namespace

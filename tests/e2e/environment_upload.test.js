@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { environmentName, LARGEST_UPLOAD, uploadFault } from '../../web/js/environment_upload.js';
+import { environmentName, isUploaded, LARGEST_UPLOAD, reasonOf, uploadFault } from '../../web/js/environment_upload.js';
 
 test('a file becomes a name that URLs have', () => {
   assert.equal(environmentName('grace_probe.hdr'), 'grace_probe');
@@ -22,4 +22,16 @@ test('other files and larger ones are not sent', () => {
   assert.equal(uploadFault({ name: 'A.EXR', size: 1 }), '');
   assert.match(uploadFault({ name: 'a.hdr', size: LARGEST_UPLOAD + 1 }), /larger than 32 MiB/);
   assert.match(uploadFault({ name: 'a.jpg', size: 1 }), /a\.jpg is no/);
+});
+
+test('only what was uploaded is offered to be deleted', () => {
+  assert.equal(isUploaded('probe', ['sunny', 'studio']), true);
+  assert.equal(isUploaded('sunny', ['sunny', 'studio']), false);
+  assert.equal(isUploaded('probe', null), false); // nothing is known of the scene yet
+  assert.equal(isUploaded('', ['sunny']), false);
+});
+
+test('a refusal says its reason, in JSON or in words', () => {
+  assert.equal(reasonOf('{"type":"error","reason":"in use"}'), 'in use');
+  assert.equal(reasonOf('nothing is here\n'), 'nothing is here');
 });

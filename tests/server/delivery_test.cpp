@@ -211,19 +211,72 @@ TEST(Ladder, AnotherRangeKeepsTheHeightOrBeginsAtTheTop) {
   EXPECT_EQ(climber.rung(), 3u);
 }
 
-TEST(PartBytes, APartTakesAboutTheBoundOnAnyLinkThatSomethingIsKnownOf) {
-  for (const double bandwidth : {250.0, 1000.0, 20'000.0}) {
-    Simulation run{{bandwidth, 30}};
-    EXPECT_EQ(part_bytes(run.meter.ms_per_byte()), kUnknownPart);
-    run.rest();
-    run.move(1);
-    const std::size_t bytes = part_bytes(run.meter.ms_per_byte());
-    const double part_ms = static_cast<double>(bytes) / bandwidth;
-    EXPECT_LE(part_ms, 1.3 * LadderClimber::kMostQueueMs) << bandwidth;
-    EXPECT_GE(part_ms, LadderClimber::kMostQueueMs / 2) << bandwidth;
+/// The parts in which a link is sent a lossless frame, in ms each, and what the sizer learns.
+std::vector<double> send_parts(Simulation& run, PartSizer& sizer, std::size_t total) {
+  std::vector<double> times;
+  for (std::size_t sent = 0; sent < total;) {
+    const std::size_t bytes = std::min(sizer.bytes(), total - sent);
+    sent += bytes;
+    const Clock::time_point before = run.now;
+    const double queue_ms = run.send(static_cast<double>(bytes));
+    times.push_back(std::chrono::duration<double, std::milli>(run.now - before).count());
+    sizer.record(bytes, times.back(), queue_ms, run.meter.ms_per_byte());
   }
-  EXPECT_EQ(part_bytes(1e9), kSmallestPart);
-  EXPECT_EQ(part_bytes(1e-9), kLargestPart);
+  return times;
+}
+
+TEST(PartSizer, AnEditNeverWaitsLongForAPartWhateverTheLink) {
+  for (const double bandwidth : {30.0, 80.0, 250.0, 1000.0, 20'000.0}) {  // kB/s
+    for (const double way : {1.0, 40.0, 150.0}) {
+      Simulation run{{bandwidth, way}};
+      PartSizer sizer;
+      const std::vector<double> first = send_parts(run, sizer, 300'000);
+      const std::vector<double> second = send_parts(run, sizer, 300'000);
+      // At first the parts are to find out: at most twice the smallest one before that is known.
+      const double smallest_ms = static_cast<double>(PartSizer::kSmallest) / bandwidth;
+      const double known = std::max(1.3 * LadderClimber::kMostQueueMs, 1.01 * smallest_ms);
+      EXPECT_LE(*std::ranges::max_element(first) - way, std::max(known, 2.1 * smallest_ms))
+          << bandwidth << " kB/s, " << way << " ms";
+      EXPECT_LE(*std::ranges::max_element(second) - way, known) << bandwidth << ", " << way;
+      // And it does not take many more messages than it must.
+      const double fitting = bandwidth * LadderClimber::kMostQueueMs;
+      const double parts = 300'000 / std::max(4096.0, std::min(fitting, 300'000.0));
+      EXPECT_LE(static_cast<double>(second.size()), 2 * parts + 2) << bandwidth << ", " << way;
+    }
+  }
+}
+
+TEST(PartSizer, ALinkThatBecomesNarrowHasSmallPartsAfterOne) {
+  PartSizer sizer;
+  for (int i = 0; i < 8; ++i) sizer.record(sizer.bytes(), 1, 0.5, 0);
+  EXPECT_GT(sizer.bytes(), 1'000'000u);
+  sizer.record(100'000, 3000, 2990, 0);
+  EXPECT_EQ(sizer.bytes(), PartSizer::kSmallest);
+  for (int i = 0; i < 40; ++i) sizer.record(sizer.bytes(), 1, 0.5, 1e-9);
+  EXPECT_EQ(sizer.bytes(), PartSizer::kLargest);
+}
+
+TEST(Ladder, ALinkThatPartsHaveShownToBeNarrowBeginsLower) {
+  const Clock::time_point now{std::chrono::hours(1)};
+  LadderClimber climber({3, 7});
+  climber.expect(1 / 1000.0, 1);  // 1 MB/s: 26 ms
+  EXPECT_EQ(climber.rung(), 3u);
+  climber.expect(1 / 100.0, 1);  // 150 ms of rung 4, 50 of 5
+  EXPECT_EQ(climber.rung(), 5u);
+  climber.record(5, 10, now);
+  climber.expect(1.0, 1);  // what was measured on the rung goes first
+  EXPECT_EQ(climber.rung(), 5u);
+  LadderClimber small({3, 7});
+  small.expect(1 / 100.0, 0.25);
+  EXPECT_EQ(small.rung(), 3u);
+}
+
+TEST(PreviewRung, IsTheBestThatTakesNoLongerThanAPart) {
+  EXPECT_EQ(preview_rung(PartSizer::kLargest, 3, 512, 512), 3u);
+  EXPECT_EQ(preview_rung(PartSizer::kSmallest, 3, 512, 512), 6u);
+  EXPECT_EQ(preview_rung(16'000, 0, 512, 512), 4u);
+  EXPECT_EQ(preview_rung(16'000, 5, 512, 512), 5u);
+  EXPECT_EQ(preview_rung(16'000, 3, 1024, 1024), 6u);
 }
 
 }  // namespace

@@ -36,9 +36,9 @@ class KeepingClient : public Client {
 /// A session whose time and compute thread are the test's.
 class DesignSessionTest : public testing::Test {
  protected:
-  std::shared_ptr<KeepingClient> join() {
+  std::shared_ptr<KeepingClient> join(const Visitor& visitor = {}) {
     auto client = std::make_shared<KeepingClient>();
-    session->join(client, now);
+    session->join(client, now, visitor);
     return client;
   }
   void edit(const KeepingClient& client, double degrees, const std::string& id = "e") {

@@ -33,6 +33,9 @@ class SlowStore final : public SessionStore {
     edits.push_back(std::move(edit));
     answers.push_back(std::move(answer));
   }
+  void remove(const std::string&, const std::string&, Answer answer) override {
+    answers.push_back(std::move(answer));
+  }
   bool drain(milliseconds) override { return answers.empty(); }
 
   void answer(const std::optional<StoreError>& refusal = {}) {
@@ -295,6 +298,7 @@ class StuckStore final : public SessionStore {
     return {};
   }
   void append(StoredEdit, Answer answer) override { answer({}); }
+  void remove(const std::string&, const std::string&, Answer answer) override { answer({}); }
   bool drain(milliseconds) override { return true; }
 
   std::promise<void> reading, go;

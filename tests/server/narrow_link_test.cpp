@@ -48,9 +48,7 @@ std::vector<LoadRecord> play_together(const LoopbackServer& server, LoadCodec co
   return records;
 }
 
-double p99(LoadRecord& record) { return percentile(record.latencies_ms, 0.99); }
-
-TEST(NarrowLink, AClientOnItChangesNobodyElsesFramesOrLatency) {
+TEST(NarrowLink, AClientOnItChangesNobodyElsesFrames) {
   const LoopbackServer server(pictures_of(512, 384));
   for (const LoadCodec codec : {LoadCodec::jpeg, LoadCodec::vp8}) {
     if (codec == LoadCodec::vp8 && !has_vp8()) continue;
@@ -66,9 +64,8 @@ TEST(NarrowLink, AClientOnItChangesNobodyElsesFramesOrLatency) {
       EXPECT_EQ(record.last_header->revision, record.state_revision);
     }
     EXPECT_EQ(beside[1].last_payload, beside[2].last_payload);
-    // Of the machine's own noise: a busy one may halve what two runs see.
-    EXPECT_GE(2 * beside[0].frames, alone[0].frames);
-    EXPECT_LE(p99(beside[0]), 3 * p99(alone[0]) + 30);
+    // How soon, script/slow-client measures.
+    EXPECT_EQ(beside[0].edits_acknowledged, alone[0].edits_acknowledged);
     EXPECT_GT(beside[0].rungs[best].frames, 0);
     // The narrow one steps down, by its own delay; this picture's VP8 frames fit its link.
     if (codec == LoadCodec::jpeg) {

@@ -201,6 +201,8 @@ TEST(StreamTargets, NameASessionAndAScene) {
   EXPECT_EQ(parse_stream_target("/sessions/a/stream?token=x.y_z&scene=s"),
             (StreamTarget{"a", "s", "x.y_z"}));
   const std::string resume(64, 'e');
+  EXPECT_TRUE(parse_stream_target("/sessions/a/stream?parts=1").parts);
+  EXPECT_FALSE(parse_stream_target("/sessions/a/stream").parts);
   EXPECT_EQ(parse_stream_target("/sessions/a/stream?seen=42&resume=" + resume),
             (StreamTarget{"a", "", "", resume, 42}));
   EXPECT_EQ(parse_state_target("/sessions/a/state?scene=s"), (StreamTarget{"a", "s"}));
@@ -223,6 +225,8 @@ TEST(StreamTargets, AnythingElseIsAnError) {
                                     std::string("/sessions/a/stream?resume=short"),
                                     "/sessions/a/stream?resume=" + std::string(64, 'E'),
                                     std::string("/sessions/a/stream?seen=-1"),
+                                    std::string("/sessions/a/stream?parts=2"),
+                                    std::string("/sessions/a/stream?parts=1&parts=1"),
                                     std::string("/sessions/a/stream?seen=1e3"),
                                     std::string("/sessions/a/stream?seen=1234567890123456"),
                                     std::string("/sessions/a/stream?seen=1&seen=1"),

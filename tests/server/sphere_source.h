@@ -15,6 +15,7 @@ struct SphereProbe {
   std::atomic<int> exact_frames{0};
   std::atomic<int> abandoned{0};
   std::atomic<int> added_environments{0};
+  std::atomic<int> sources{0};          // that there are
   std::function<void(int row)> on_row;  // called before each row of an exact frame
   std::atomic<double> budget_share{0};  // as it was last told
   std::atomic<bool> broken{false};      // every render throws Error
@@ -29,7 +30,12 @@ struct SphereProbe {
 class SphereSource final : public FrameSource {
  public:
   SphereSource(int width, int height, std::shared_ptr<SphereProbe> probe)
-      : width_(width), height_(height), probe_(std::move(probe)) {}
+      : width_(width), height_(height), probe_(std::move(probe)) {
+    ++probe_->sources;
+  }
+  SphereSource(const SphereSource&) = delete;
+  SphereSource& operator=(const SphereSource&) = delete;
+  ~SphereSource() override { --probe_->sources; }
 
   void set_budget_share(double share) override { probe_->budget_share = share; }
   FrameReport render_moving(const DesignState& state, Rgb8Image& frame) override;

@@ -73,13 +73,13 @@ std::string RunningProgram::output() const { return read_file(output_file_, kMos
 
 std::string RunningProgram::errors() const { return read_file(error_file_, kMostOutput); }
 
-void RunningProgram::terminate() {
-  if (process_ >= 0) ::kill(process_, SIGTERM);
+void RunningProgram::signal(int number) {
+  if (process_ >= 0) ::kill(process_, number);
 }
 
-void RunningProgram::kill() {
-  if (process_ >= 0) ::kill(process_, SIGKILL);
-}
+void RunningProgram::terminate() { signal(SIGTERM); }
+
+void RunningProgram::kill() { signal(SIGKILL); }
 
 ProgramResult RunningProgram::wait() {
   using Clock = std::chrono::steady_clock;

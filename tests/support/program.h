@@ -34,6 +34,8 @@ class RunningProgram {
   std::string errors() const;
   /// SIGKILL: nothing is cleaned up.
   void kill();
+  /// Any other.
+  void signal(int number);
   /// SIGTERM: it may clean up.
   void terminate();
   ProgramResult wait();

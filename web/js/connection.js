@@ -12,7 +12,7 @@ export function parseFrame(buffer) {
 
 /**
  * The WebSocket to a session. Opens itself again when it is lost, later after each failure.
- * Events: 'status' {state: connecting | open | waiting, seconds}, 'message' (parsed JSON) and
+ * Events: 'status' {state: connecting | open | waiting | ended, seconds, text}, 'message' (parsed JSON) and
  * 'frame' {header, payload, bytes}, each as event.detail.
  */
 export class Connection extends EventTarget {
@@ -42,6 +42,14 @@ export class Connection extends EventTarget {
     this.#socket = socket;
     socket.onmessage = (event) => this.#receive(event.data);
     socket.onclose = () => this.#lost(socket);
+  }
+
+  /** For good: it does not open itself again. */
+  end(text) {
+    const socket = this.#socket;
+    this.#socket = null;
+    socket?.close();
+    this.#tell('status', { state: 'ended', text });
   }
 
   get isOpen() {

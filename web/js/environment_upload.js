@@ -16,8 +16,9 @@ export function uploadFault({ name, size }) {
 }
 
 /**
- * The button and the place to drop files that send an environment to the session. Calls
- * onReady(name) when the server has it, onError(text) when not.
+ * The button and the place to drop files that send an environment to the session, and the button that
+ * deletes the one that is shown. Calls onReady(name) when the server has it, onError(text) when not,
+ * and onLeave(name) to have another one shown first.
  */
 export class EnvironmentUpload {
   #button = document.getElementById('environment-upload');
@@ -25,11 +26,18 @@ export class EnvironmentUpload {
   #area = document.getElementById('environments');
   #headers;
   #onReady;
+  #onLeave;
   #onError;
   #place = null;
+  #own = null; // the names of the scene's, which stay
+  #shown = '';
+  #leaving = ''; // it is deleted when another one is shown
+  #delete = document.getElementById('environment-delete');
 
-  constructor({ headers, onReady, onError }) {
+  constructor({ headers, onReady, onLeave, onError }) {
     this.#headers = headers;
+    this.#onLeave = onLeave;
+    this.#delete.addEventListener('click', () => this.#leave());
     this.#onReady = onReady;
     this.#onError = onError;
     this.#button.addEventListener('click', () => this.#file.click());
@@ -54,6 +62,51 @@ export class EnvironmentUpload {
 
   setPlace(session, scene) {
     this.#place = { session, scene };
+    this.#findOwn(scene);
+  }
+
+  /** The environment that the session shows now. */
+  setShown(name, canEdit) {
+    this.#shown = name;
+    this.#delete.hidden = !canEdit || !isUploaded(name, this.#own);
+    if (!this.#leaving || name === this.#leaving) return;
+    const gone = this.#leaving;
+    this.#leaving = '';
+    this.#remove(gone);
+  }
+
+  async #findOwn(scene) {
+    if (this.#own) return;
+    try {
+      const answer = await fetch('/api/scenes', { headers: this.#headers });
+      const { scenes } = await answer.json();
+      this.#own = scenes.find(({ name }) => name === scene)?.environments ?? null;
+      this.#delete.hidden = !isUploaded(this.#shown, this.#own);
+    } catch {
+      this.#own = null; // nothing is offered to be deleted
+    }
+  }
+
+  /** What is shown cannot be deleted: the scene's first takes its place. */
+  #leave() {
+    if (this.#delete.textContent !== 'Sure?') { // others lose it too: asked once more
+      this.#delete.textContent = 'Sure?';
+      setTimeout(() => { this.#delete.textContent = 'Delete'; }, 4000);
+      return;
+    }
+    this.#leaving = this.#shown;
+    this.#onLeave(this.#own[0]);
+  }
+
+  async #remove(name) {
+    const { session, scene } = this.#place;
+    try {
+      const url = `/sessions/${session}/environments/${name}?scene=${scene}`;
+      const answer = await fetch(url, { method: 'DELETE', headers: this.#headers });
+      if (!answer.ok) this.#onError(`${name} was not deleted: ${reasonOf(await answer.text())}`);
+    } catch (failure) {
+      this.#onError(`${name} could not be deleted: ${failure.message}`);
+    }
   }
 
   async #send(file) {
@@ -82,7 +135,13 @@ export class EnvironmentUpload {
   }
 }
 
-function reasonOf(text) {
+/** Whether an environment is none of the scene's own, where those are known. */
+export function isUploaded(name, own) {
+  return own !== null && name !== '' && !own.includes(name);
+}
+
+/** What an answer says went wrong. */
+export function reasonOf(text) {
   try {
     return JSON.parse(text).reason;
   } catch {

@@ -6,7 +6,7 @@ import { Display } from './display.js';
 import { Edits } from './edits.js';
 import { FrameDecoder } from './frame_decoder.js';
 import { Gestures } from './gestures.js';
-import { EnvironmentUpload } from './environment_upload.js';
+import { EnvironmentUpload, reasonOf } from './environment_upload.js';
 import { Materials } from './materials.js';
 import { Measurements } from './measurements.js';
 import { Orbit } from './orbit.js';
@@ -29,10 +29,10 @@ const resume = new Resume(window.sessionStorage, session, scene);
 /** ws://HOST/sessions/NAME/stream?scene=NAME, from this page's own ?session=…&scene=…. */
 function streamUrl() {
   const protocol = window.location.protocol === 'https:' ? 'wss:' : 'ws:';
-  const query = new URLSearchParams(resume.query);
+  const query = new URLSearchParams({ ...resume.query, parts: 1 });
   if (scene) query.set('scene', scene);
   if (token) query.set('token', token); // a browser's WebSocket has no headers to set
-  return `${protocol}//${window.location.host}${sessionPath}/stream${String(query) ? `?${query}` : ''}`;
+  return `${protocol}//${window.location.host}${sessionPath}/stream?${query}`;
 }
 
 /** The session's state as a file. */
@@ -41,6 +41,14 @@ async function download() {
   const response = await fetch(`${sessionPath}/state${query}`, { headers: authorization(token) });
   if (!response.ok) throw new Error(`${response.status}`);
   return { name: `${session}.json`, text: await response.text() };
+}
+
+/** A state that is too large for a message, as a step of this user. */
+async function upload(text) {
+  const query = new URLSearchParams(resume.query.resume ? { resume: resume.query.resume } : {});
+  if (scene) query.set('scene', scene);
+  const response = await fetch(`${sessionPath}/state?${query}`, { method: 'PUT', headers: authorization(token), body: text });
+  if (!response.ok) throw new Error(`The state was not taken: ${reasonOf(await response.text())}`);
 }
 
 const connection = new Connection(streamUrl);
@@ -58,12 +66,14 @@ const tools = new SessionTools({
   },
   onError: (text) => toasts.say(text),
   download,
+  upload,
 });
 const controls = new Controls(change);
 const materials = new Materials(change);
 const uploads = new EnvironmentUpload({
   headers: authorization(token),
   onReady: (name) => change({ environment: name }),
+  onLeave: (name) => change({ environment: name }),
   onError: (text) => toasts.say(text),
 });
 const curves = new CurveEditor({ headers: authorization(token), onChange: change, onDrop: () => adopt(), onError: (text) => toasts.say(text) });
@@ -155,6 +165,7 @@ const handlers = {
     curves.setScene(message.scene, message.editable, message.measured);
     controls.setEnvironments(message.environments);
     uploads.setPlace(message.session, message.scene);
+    uploads.setShown(message.state.environment, tools.canEdit);
     element('scene').textContent = message.scene;
     element('session').textContent = message.session === 'default' ? '' : message.session;
     document.title = `${message.scene} – Rimlight`;
@@ -172,9 +183,14 @@ const handlers = {
   state(message) {
     if (isNewer(message)) {
       newest = message;
+      uploads.setShown(message.state.environment, tools.canEdit);
       tools.changed(message.by);
     }
     adopt();
+  },
+  deleted(message) {
+    connection.end(`This session was deleted${message.by ? ` by ${message.by.name}` : ''}.`);
+    toasts.say('This session was deleted.');
   },
   presence: (message) => tools.presence(message),
   snapshots: (message) => tools.snapshots(message),
@@ -222,6 +238,7 @@ connection.addEventListener('status', ({ detail }) => {
   const words = {
     open: 'Connected',
     connecting: detail.again ? 'Reconnecting…' : 'Connecting…',
+    ended: detail.text,
     waiting: `Connection lost. Reconnecting in ${Math.max(1, Math.round(detail.seconds))} s…`,
   };
   const status = element('connection');

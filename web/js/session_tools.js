@@ -18,7 +18,7 @@ export function shortcut({ key, ctrlKey, metaKey, altKey, shiftKey, target }) {
   return key.toLowerCase() === 'z' ? (shiftKey ? 'redo' : 'undo') : null;
 }
 
-/** The import message of a file's text. Throws an Error that says what is wrong. */
+/** The import message of a file's text; null where it is too large for one. Throws an Error that says what is wrong. */
 export function importOf(text) {
   let file;
   try {
@@ -29,12 +29,12 @@ export function importOf(text) {
   if (typeof file?.state !== 'object' || file.state === null) throw new Error('This file has no state of a session.');
   const message = { type: 'import', state: file.state };
   if (new TextEncoder().encode(JSON.stringify(message)).length + 100 > kLargestMessage) {
-    throw new Error('This state is too large to import.');
+    return null;
   }
   return message;
 }
 
-/** Calls onCommand(message without id), onError(text); download() resolves to {name, text}. */
+/** Calls onCommand(message without id), onError(text); download() resolves to {name, text}, upload(text) when a state is imported. */
 export class SessionTools {
   #you = null;
   #present = [];
@@ -44,11 +44,13 @@ export class SessionTools {
   #onCommand;
   #onError;
   #download;
+  #upload;
 
-  constructor({ onCommand, onError, download }) {
+  constructor({ onCommand, onError, download, upload }) {
     this.#onCommand = onCommand;
     this.#onError = onError;
     this.#download = download;
+    this.#upload = upload;
     for (const type of ['undo', 'redo']) element(type).addEventListener('click', () => this.#travel(type));
     document.addEventListener('keydown', (event) => {
       const type = shortcut(event);
@@ -66,6 +68,7 @@ export class SessionTools {
     element('export-state').addEventListener('click', () => this.#export());
     element('import-state').addEventListener('click', () => element('import-file').click());
     element('import-file').addEventListener('change', () => this.#import());
+    element('delete-session').addEventListener('click', () => this.#deleteSession());
     element('snapshots').addEventListener('keydown', (event) => {
       if (event.key !== 'Escape') return;
       element('snapshots').open = false;
@@ -91,7 +94,7 @@ export class SessionTools {
     for (const id of ['reset-rotation', 'reset-view', 'reset-exposure', 'snapshot-name', 'snapshot-save']) {
       element(id).disabled = !this.canEdit;
     }
-    element('import-state').disabled = !this.#isOwner;
+    for (const id of ['import-state', 'delete-session']) element(id).disabled = !this.#isOwner;
     element('owners-only').hidden = this.#isOwner;
     this.presence({ present, more });
     this.history(history);
@@ -158,6 +161,17 @@ export class SessionTools {
     return button;
   }
 
+  /** Asked once more: it cannot be undone. */
+  #deleteSession() {
+    const button = element('delete-session');
+    if (button.textContent !== 'Sure?') {
+      button.textContent = 'Sure?';
+      setTimeout(() => { button.textContent = 'Delete session'; }, kSureMs);
+    } else {
+      this.#onCommand({ type: 'delete_session' });
+    }
+  }
+
   #use(action, name) {
     this.#onCommand({ type: 'snapshot', action, name });
   }
@@ -180,7 +194,10 @@ export class SessionTools {
     element('import-file').value = '';
     if (!file) return;
     try {
-      this.#onCommand(importOf(await file.text()));
+      const text = await file.text();
+      const message = importOf(text);
+      if (message) this.#onCommand(message);
+      else await this.#upload(text);
     } catch (failure) {
       this.#onError(failure.message);
     }

@@ -221,7 +221,7 @@ TEST(VertexBounces, WhatIsPassedOnHasALimit) {
                                                  {"b", {1, 0.9f, 0.8f}, {0, 0.1f, 0}, 9}};
   const auto found = bounced_albedo(mesh, materials);
   EXPECT_EQ(found[0], Vec3f(0.6f + 0.1f, 0.3f + 0.2f, 0.2f + 0.3f));
-  EXPECT_EQ(found[1], Vec3f(0.99f, 0.99f, 0.8f));
+  EXPECT_EQ(found[1], Vec3f(kMostBouncedAlbedo, kMostBouncedAlbedo, 0.8f));
 }
 
 }  // namespace

@@ -141,6 +141,21 @@ TEST(BakeCrash, WhatAKilledCommitLeftIsUnlinkedAndNotOverwritten) {
   EXPECT_LT(Bake(path).transport().byte_count(), shown.transport().byte_count());
 }
 
+/// The same, killed in the middle of that removal: the manifest is gone already.
+TEST(BakeCrash, WhatAKilledRemovalLeftIsUnlinkedAndNotOverwritten) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.bake", partial = folder / "a.bake.partial";
+  test::write_small_bake(path, {});
+  fs::rename(path, partial);
+  const MappedFile shown(partial / kTransportFile);
+  const std::vector<std::byte> before(shown.bytes().begin(), shown.bytes().end());
+  fs::remove(partial / kManifestFile);
+  // Not of fewer bytes: those that a shorter file lacks cannot even be read.
+  test::write_small_bake(path, {.density = 0.2, .seed = 2});
+  EXPECT_TRUE(std::ranges::equal(before, shown.bytes()));
+  EXPECT_NE(read_file(path / kTransportFile, SIZE_MAX).size(), before.size());
+}
+
 TEST(BakeWriter, TwoWritersOfOneBakeAreRefused) {
   const TemporaryFolder folder;
   const BakeWriter first(folder / "a.bake");
