@@ -103,8 +103,9 @@ test('a page whose decoder fails says so and goes on with JPEG', async (t) => {
   const first = await frameOf(page);
   await drag(page, 150, 30);
   await waitForExact(page, first);
-  const moving = headersOf(messages).filter((header) => !header.exact);
-  assert.equal(moving[0].codec, 'vp8');
+  // Small looks at an exact picture, which come before its parts, are JPEG.
+  const moving = headersOf(messages).filter((header) => !header.exact && header.frame > first);
+  assert.ok(moving.some((header) => header.codec === 'vp8'));
   assert.equal(moving.at(-1).codec, 'jpeg');
   const said = displaysOf(messages);
   assert.ok(said[0].codecs.includes('vp8'));
